@@ -1,0 +1,188 @@
+/* What a compiled TF model is: a shared library that exports one constant `tf_model` under the name TF_MODEL_SYMBOL.
+ *
+ * The model is the controlled complementarity Lagrangian system (CLS)
+ *     q' = N(q) v,   M(q, t) v' = f(t, q, v, z, u, p, alpha) + Jn^T ln + Jt^T lt,   z' = g(t, q, v, z, u, p, alpha)
+ * with nc unilateral contacts (normal forces ln >= 0), nt tangential rows (of contacts with slip, then of friction elements;
+ * forces lt) and ns switching functions c_j(t, q, v, z, u) with step variables alpha_j in [0, 1] (1 where c_j > 0).
+ *
+ * Generated functions are pure: no allocation, no input or output, no globals. All have the signature tf_function:
+ * `in[k]` points to the array of TF_IN k, `out[k]` to the array that the function's comment lists as number k. Matrices are row-major.
+ * `mask` selects rows where a function says so (mask[i] == 0: row i of the masked outputs is left untouched); where it says nothing,
+ * mask may be null. Values are SI or the model's own units. No function ever reads beyond the lengths of the model's table.
+ */
+#ifndef TF_MODEL_H
+#define TF_MODEL_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define TF_ABI_VERSION 1u
+#define TF_MAGIC 0x54464D31u /* "TFM1" */
+#define TF_MODEL_SYMBOL "tf_model_v1"
+
+/* Argument arrays and their lengths. */
+enum tf_in {
+  TF_IN_TIME = 0,      /* 1: physical time */
+  TF_IN_Q = 1,         /* nq: coordinates */
+  TF_IN_V = 2,         /* nv: velocities */
+  TF_IN_Z = 3,         /* nz: continuous states */
+  TF_IN_U = 4,         /* nu: inputs */
+  TF_IN_P = 5,         /* np: parameters */
+  TF_IN_ALPHA = 6,     /* ns: step variables */
+  TF_IN_A = 7,         /* nv: accelerations v' */
+  TF_IN_NORMAL = 8,    /* nc: normal forces */
+  TF_IN_TANGENT = 9,   /* nt: tangential forces */
+  TF_IN_ZDOT = 10,     /* nz: z' */
+  TF_IN_COUNT = 11
+};
+
+typedef void (*tf_function)(const double *const *in, double *const *out, const uint8_t *mask);
+
+/* The columns of every derivative matrix: x = (q, v, z, u, t), nx = nq + nv + nz + nu + 1. */
+
+/* What a variable's value is. Index counts within the kind. */
+enum tf_kind {
+  TF_KIND_TIME = 0,
+  TF_KIND_NUMERICAL_TIME = 1, /* tau */
+  TF_KIND_COORDINATE = 2,     /* q */
+  TF_KIND_VELOCITY = 3,       /* v */
+  TF_KIND_ACCELERATION = 4,   /* v' */
+  TF_KIND_STATE = 5,          /* z */
+  TF_KIND_STATE_DERIVATIVE = 6,
+  TF_KIND_INPUT = 7,
+  TF_KIND_PARAMETER = 8,
+  TF_KIND_OUTPUT = 9,         /* of the function `outputs` */
+  TF_KIND_GAP = 10,           /* contact index */
+  TF_KIND_NORMAL_FORCE = 11,  /* contact index */
+  TF_KIND_TANGENT_FORCE = 12, /* tangential row */
+  TF_KIND_SLIP = 13,          /* tangential row */
+  TF_KIND_CLOSED = 14,        /* contact index, 0/1 */
+  TF_KIND_STICKING = 15,      /* tangential row, 0/1 */
+  TF_KIND_IMPULSE = 16,       /* contact index: accumulated normal impulse of impacts */
+  TF_KIND_TIME_SPEED = 17,    /* dt/dtau = beta */
+  TF_KIND_STEP_VARIABLE = 18  /* alpha_j of switch j */
+};
+
+enum tf_variable_flags {
+  TF_FIXED = 1,      /* the start is exact, not a guess */
+  TF_SETTABLE = 2,   /* parameters and starts that --set may change (not final, protected or structural) */
+  TF_STRUCTURAL = 4, /* a parameter whose value is compiled in */
+  TF_BOOLEAN = 8,
+  TF_INTEGER = 16,
+  TF_BOUND = 32,     /* a parameter whose value is computed from others unless it is set */
+  TF_OUTPUT = 64,    /* declared `output` */
+  TF_PROTECTED = 128
+};
+
+typedef struct tf_location {
+  const char *file;
+  int32_t line, column; /* from 1 */
+} tf_location;
+
+typedef struct tf_variable {
+  const char *name; /* scalar: "q[2]", "der(q[2])", "floor.normalForce" */
+  const char *unit; /* "" where none */
+  const char *description;
+  int32_t kind; /* enum tf_kind */
+  int32_t index;
+  int32_t flags;
+  double min, max, nominal; /* -inf, inf, 1 where not given */
+  tf_location location;
+} tf_variable;
+
+/* Another name of a variable: `v` where `Real v = der(x)`. value = sign * value of the variable. */
+typedef struct tf_alias {
+  const char *name;
+  const char *description;
+  int32_t variable; /* in the table of variables */
+  double sign;
+} tf_alias;
+
+enum tf_impact_law { TF_LAW_POISSON = 0, TF_LAW_STRONGE = 1, TF_LAW_NEWTON = 2 };
+
+typedef struct tf_contact {
+  const char *name;
+  int32_t tangent_first, tangent_count; /* its tangential rows: 0, 1 or 2 */
+  int32_t law;                          /* enum tf_impact_law */
+  double nominal;                       /* length scale of the gap */
+  tf_location location;
+} tf_contact;
+
+typedef struct tf_friction { /* a friction element: tangential rows with a bound instead of a normal force */
+  const char *name;
+  int32_t tangent_first, tangent_count;
+  tf_location location;
+} tf_friction;
+
+enum tf_switch_kind {
+  TF_SWITCH_SLIDING = 0,    /* discontinuous across c = 0: a sliding mode is possible */
+  TF_SWITCH_CONTINUOUS = 1, /* abs, min, max: located, no sliding */
+  TF_SWITCH_TIME = 2        /* c depends on time and parameters only: a time event */
+};
+
+typedef struct tf_switch {
+  const char *text; /* the condition as written, "x > 0" */
+  int32_t kind;
+  int32_t zero_is_positive; /* on c = 0, off any sliding, the relation as written has alpha = 1 (>=) or 0 (>) */
+  tf_location location;
+} tf_switch;
+
+typedef struct tf_model {
+  uint32_t magic, abi_version;
+  const char *name, *description;
+  const char *generator; /* "tfc 0.1.0" */
+  const char *hash;      /* of everything that the code was made from */
+
+  int32_t nq, nv, nz, nu, np, nc, nt, ns, no, nf; /* nf: friction elements */
+  int32_t variable_count, alias_count;
+  const tf_variable *variables; /* in the order of the result columns; the first two are time and tau */
+  const tf_alias *aliases;
+  const tf_contact *contacts;   /* nc */
+  const tf_friction *frictions; /* nf */
+  const tf_switch *switches;    /* ns */
+  const double *parameters;     /* np: the values of unbound parameters (0 for bound ones) */
+  int32_t binding_depth;        /* bindings must be evaluated this often for all bound parameters to be right */
+  int32_t mass_is_constant;     /* M depends on parameters only */
+  double start_time, stop_time, tolerance, interval; /* of annotation(experiment); NaN where not given */
+
+  /* in: P. out: 0 values [np] of bound parameters out of the others. */
+  tf_function bindings;
+  /* in: TIME, P. out: 0 q [nq], 1 v [nv], 2 z [nz], 3 u [nu]: the starts. */
+  tf_function starts;
+  /* in: TIME, Q, V. out: 0 q' = N(q) v [nq]. Null where nq = nv and q' = v. */
+  tf_function kinematics;
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 M [nv x nv] symmetric, both halves; 1 f [nv], all forces but those of contacts and frictions,
+     less the bias terms of M v'; 2 z' [nz]. */
+  tf_function dynamics;
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 gap [nc], 1 its rate [nc] = Jn v + d gap/dt, 2 slip [nt], 3 c [ns]. Masked by blocks:
+     mask[0] gaps and rates, mask[1] slips, mask[2] c. */
+  tf_function switching;
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 Jn [nc x nv], 1 normal bias [nc]: gap'' = Jn v' + bias, 2 Jt [nt x nv], 3 tangential bias [nt]:
+     slip' = Jt v' + bias (without du/dt terms: slips do not depend on inputs), 4 friction coefficient mu [nc], 5 bound [nt] of friction
+     elements' rows (0 on contacts' rows). mask: nc + nf bytes, contacts then friction elements. */
+  tf_function contact_terms;
+  /* in: P. out: 0 rate a_n [nc], 1 restitution [nc]. */
+  tf_function contact_parameters;
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 dc/dx [ns x nx]. mask: ns bytes. */
+  tf_function switch_gradients;
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 df/dalpha [nv x ns], 1 dz'/dalpha [nz x ns]. */
+  tf_function step_derivatives;
+  /* All first derivatives of the dynamics at fixed alpha, v' = A, ln = NORMAL, lt = TANGENT.
+     in: all but ZDOT. out: 0 d(M A - f - Jn^T ln - Jt^T lt)/dx [nv x nx], 1 dz'/dx [nz x nx], 2 d(Jn A + bias)/dx [nc x nx],
+     3 d(Jt A + bias)/dx [nt x nx], 4 dmu/dx [nc x nx], 5 dbound/dx [nt x nx].
+     mask: nc + nf bytes: rows of 2..5 and the terms of ln, lt in 0 (an unselected contact's forces count as 0). */
+  tf_function dynamics_derivatives;
+  /* in: all. out: 0 outputs [no]. */
+  tf_function outputs;
+  /* in: TIME, Q, V, Z, U, P. out: 0 kinetic energy [1], 1 potential energy [1] (gravity and potential elements), 2 power of forces [1]. */
+  tf_function energies;
+} tf_model;
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,98 @@
+/* libtf: simulation of compiled TF models, without compiler and front end. C API, one header.
+ *
+ * Every function that can fail returns a tf_status; tf_error_text(simulation) then says what went wrong in terms of the model. Indices of values
+ * are those of tf_find. Units are the model's. A simulation is not shared between threads; different simulations are independent.
+ */
+#ifndef TF_H
+#define TF_H
+
+#include "runtime/abi/tf_model.h"
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum tf_status {
+  TF_OK = 0,
+  TF_TERMINATED = 1,   /* the model ended the simulation */
+  TF_BAD_ARGUMENT = 2, /* unknown name, wrong phase, bad file */
+  TF_FAILED = 3        /* the run failed; results up to the failure are valid */
+} tf_status;
+
+typedef enum tf_integrator { TF_AUTO = 0, TF_STEP = 1, TF_CVODE = 2, TF_EXPLICIT = 3 } tf_integrator;
+
+typedef enum tf_event_kind {
+  TF_EVENT_IMPACT = 0, TF_EVENT_OPENING, TF_EVENT_CLOSING, TF_EVENT_STICK, TF_EVENT_SLIP, TF_EVENT_SLIP_REVERSAL, TF_EVENT_SLIDING, TF_EVENT_REST,
+  TF_EVENT_PAINLEVE, TF_EVENT_TIME, TF_EVENT_STATE, TF_EVENT_TERMINATE, TF_EVENT_COUNT
+} tf_event_kind;
+
+typedef struct tf_event {
+  double time, tau;
+  int32_t kind;    /* tf_event_kind */
+  int32_t element; /* contact index; nc + friction index; nc + nf + switch index; -1 for none */
+  const double *before, *after; /* q, v, z [nq + nv + nz] */
+} tf_event;
+
+typedef struct tf_statistics {
+  long long steps, rejected_steps, evaluations, jacobians, newton_iterations, contact_solves, frozen_phases, breakpoints, events[TF_EVENT_COUNT];
+  long long cvode_steps, explicit_steps, step_steps;
+  double worst_gap, worst_normal_force, worst_residual; /* over outputs: least gap, least normal force, largest contact residual */
+} tf_statistics;
+
+typedef struct tf_simulation tf_simulation;
+
+/* Loads a compiled model from a shared library. *simulation is set even on failure, so that the error text can be read; free it. */
+tf_status tf_load(const char *path, tf_simulation **simulation);
+/* A simulation of a model that is already in memory; the model must outlive it. */
+tf_status tf_create(const tf_model *model, tf_simulation **simulation);
+void tf_free(tf_simulation *simulation);
+const char *tf_error_text(const tf_simulation *simulation);
+const tf_model *tf_get_model(const tf_simulation *simulation);
+
+/* Variable's number by name or alias, -1 if there is none. */
+int32_t tf_find(const tf_simulation *simulation, const char *name);
+
+/* Before tf_initialise: parameters, starts of coordinates, velocities and states. Also inputs, held constant, at any time. */
+tf_status tf_set(tf_simulation *simulation, const char *name, double value);
+/* An input's table: count points (times nondecreasing); zero-order hold or linear interpolation; the last value is held. Copied. */
+tf_status tf_set_input_table(tf_simulation *simulation, const char *name, const double *times, const double *values, size_t count, int linear);
+/* An input by callback. `value` must be smooth between the breakpoints that `next_breakpoint` returns (the first one after time, infinity for
+ * none; null: no breakpoints); `segment` is a time inside the smooth piece that is meant. */
+typedef double (*tf_input_value)(void *data, double time, double segment);
+typedef double (*tf_input_breakpoint)(void *data, double time);
+tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_input_value value, tf_input_breakpoint next_breakpoint, void *data);
+
+tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance);
+tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator);
+/* Step integrator: number of Radau IIA stages 1..4 (0: chosen by tolerance) and a fixed step (0: error-controlled). */
+tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixed_step);
+/* Called at every event, in order. */
+typedef void (*tf_event_callback)(void *data, const tf_event *event);
+tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data);
+
+/* Evaluates parameters and starts and resolves contacts and an impact at the start time. */
+tf_status tf_initialise(tf_simulation *simulation, double start_time);
+/* Advances to `time` exactly; on failure the state is that of the last good point (tf_time). */
+tf_status tf_step(tf_simulation *simulation, double time);
+double tf_time(const tf_simulation *simulation);
+
+/* Value of variable number `index` at the current point; tf_get_all: all of model->variables, in order. */
+double tf_get(tf_simulation *simulation, int32_t index);
+tf_status tf_get_all(tf_simulation *simulation, double *values);
+/* Value by name or alias. */
+tf_status tf_get_named(tf_simulation *simulation, const char *name, double *value);
+
+/* Complete state (continuation is bit-identical). Size in bytes by tf_state_size. */
+size_t tf_state_size(const tf_simulation *simulation);
+tf_status tf_save_state(const tf_simulation *simulation, void *buffer, size_t size);
+tf_status tf_restore_state(tf_simulation *simulation, const void *buffer, size_t size);
+
+const tf_statistics *tf_get_statistics(const tf_simulation *simulation);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
