@@ -8,8 +8,10 @@
 
 #include <fmt/format.h>
 
+#include <set>
 #include <span>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,7 +20,7 @@ namespace tf {
 enum class Severity : std::uint8_t { Note, Warning, Error };
 
 struct DiagnosticKind {
-  const char *code;    // "TF0312"; never reused
+  const char *code;  // "TF0312"; never reused
   Severity severity;
   const char *name;    // the identifier it is registered under
   const char *format;  // fmt format string
@@ -48,14 +50,15 @@ public:
 
   [[nodiscard]] bool hasErrors() const { return errors_ > 0; }
   [[nodiscard]] int errorCount() const { return errors_; }
-  // In order of report; a second report of the same kind at the same span is dropped.
+  // In order of report; a second report of the same kind at the same span is dropped (without a span: one with the same message).
   [[nodiscard]] const std::deque<Diagnostic> &all() const { return all_; }
 
 private:
   Diagnostic &add(Diagnostic diagnostic);
 
   std::deque<Diagnostic> all_;
-  Diagnostic duplicate_;
+  std::set<std::tuple<const DiagnosticKind *, FileId, std::uint32_t, std::uint32_t>> reported_;
+  Diagnostic duplicate_;  // what notes to a dropped report go to
   int errors_ = 0;
 };
 
@@ -66,4 +69,4 @@ private:
 // The candidate nearest to `name` by edit distance, empty if none is near enough to be a misspelling.
 [[nodiscard]] std::string nearest(std::string_view name, std::span<const std::string> candidates);
 
-} // namespace tf
+}  // namespace tf

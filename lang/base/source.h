@@ -59,4 +59,4 @@ private:
   std::deque<SourceFile> files_;
 };
 
-} // namespace tf
+}  // namespace tf
