@@ -78,24 +78,48 @@ enum class ExprKind : std::uint8_t {
   Array,            // `{a, b}` operands; `{e for i in r}`: operands[0], iterators
   Matrix,           // `[a, b; c, d]`: operands are the rows, each a Tuple
   Tuple,            // `(a, , c)`: operands, absent ones null; a parenthesised expression is a Tuple of one
-  Subscripted,      // `(e)[i]`: operands[0], rest are subscripts (Modelica 3.6)
+  Subscripted,      // `(e)[i]`: operands[0], rest are subscripts
+  ValueAt,          // `der(q)(t)` in an optimization class: operands[0] is the Call, operands[1] the time; `q[1](t)` is a Call
   End,              // `end` in a subscript
   Colon,            // `:` as a subscript
   Error,            // could not be read
 };
 
 enum class Operator : std::uint8_t {
-  None, Plus, Minus, Times, Divide, Power, DotPlus, DotMinus, DotTimes, DotDivide, DotPower,
-  And, Or, Not, Less, LessEqual, Greater, GreaterEqual, Equal, NotEqual,
+  None,
+  Plus,
+  Minus,
+  Times,
+  Divide,
+  Power,
+  DotPlus,
+  DotMinus,
+  DotTimes,
+  DotDivide,
+  DotPower,
+  And,
+  Or,
+  Not,
+  Less,
+  LessEqual,
+  Greater,
+  GreaterEqual,
+  Equal,
+  NotEqual,
 };
+
+// The parser bounds the height of expressions and the nesting of everything else, so that recursive walks are safe.
+inline constexpr int maxExpressionHeight = 2000;
+inline constexpr int maxNesting = 250;
 
 struct Expr {
   ExprKind kind = ExprKind::Error;
   Operator op = Operator::None;
+  std::uint16_t height = 1;  // of the tree below, at most maxExpressionHeight
   Span span;
-  Span operatorSpan;          // Unary, Binary
-  double number = 0;          // Integer, Real, Boolean
-  std::string_view text;      // String: with quotes; Integer, Real: as written
+  Span operatorSpan;      // Unary, Binary
+  double number = 0;      // Integer, Real, Boolean
+  std::string_view text;  // String: with quotes; Integer, Real: as written
   Reference reference;
   List<Expr *> operands;
   List<NamedArgument> named;
@@ -106,8 +130,8 @@ struct Expr {
 
 // A description string: `"a" + "b"`.
 struct Comment {
-  List<std::string_view> strings;         // with quotes
-  Modification *annotation = nullptr;     // the class modification of `annotation(…)`
+  List<std::string_view> strings;      // with quotes
+  Modification *annotation = nullptr;  // the class modification of `annotation(…)`
   Span span;
 };
 
@@ -116,15 +140,18 @@ enum class ArgumentKind : std::uint8_t {
   Der,             // `der(start = …)` inside a coordinate's modification: modification holds its arguments
   RedeclareClass,  // `redeclare/replaceable` class
   RedeclareComponent,
+  BreakComponent,  // `break name` in an extends clause: path
+  BreakConnect,    // `break connect(a, b)` in an extends clause: connect
 };
 
 struct Argument {
   ArgumentKind kind = ArgumentKind::Element;
   bool isEach = false, isFinal = false, isRedeclare = false, isReplaceable = false;
-  Reference path;                          // Element
-  Modification *modification = nullptr;    // Element (may be null), Der
+  Reference path;                        // Element
+  Modification *modification = nullptr;  // Element (may be null), Der
   ClassDefinition *classDefinition = nullptr;
-  ComponentClause *component = nullptr;
+  ComponentClause *component = nullptr;  // Redeclare…: one component
+  Equation *connect = nullptr;           // BreakConnect
   Comment comment;
   Span span;
 };
@@ -178,9 +205,9 @@ enum class ImportKind : std::uint8_t { Qualified, Renaming, Unqualified, List };
 
 struct Import {
   ImportKind kind = ImportKind::Qualified;
-  Name alias;            // Renaming
-  Reference name;        // the package, or the imported name
-  List<Name> names;      // List
+  Name alias;        // Renaming
+  Reference name;    // the package, or the imported name
+  List<Name> names;  // List
   Comment comment;
   Span span;
 };
@@ -216,12 +243,12 @@ enum class EquationKind : std::uint8_t { Equality, If, For, When, Connect, Call,
 
 struct Equation {
   EquationKind kind = EquationKind::Error;
-  Expr *left = nullptr, *right = nullptr;      // Equality, Connect (two references); Constraint: left `op` right
-  Operator op = Operator::None;                // Constraint: Equal, LessEqual, GreaterEqual…
-  Expr *call = nullptr;                        // Call
-  List<Branch<Equation>> branches;             // If, When
-  List<ForIndex> iterators;                    // For
-  List<Equation *> body;                       // For
+  Expr *left = nullptr, *right = nullptr;  // Equality, Connect (two references); Constraint: left `op` right
+  Operator op = Operator::None;            // Constraint: Equal, LessEqual, GreaterEqual…
+  Expr *call = nullptr;                    // Call
+  List<Branch<Equation>> branches;         // If, When
+  List<ForIndex> iterators;                // For
+  List<Equation *> body;                   // For
   Comment comment;
   Span span;
 };
@@ -230,12 +257,12 @@ enum class StatementKind : std::uint8_t { Assignment, MultiAssignment, Call, If,
 
 struct Statement {
   StatementKind kind = StatementKind::Error;
-  Expr *left = nullptr;                        // Assignment: a Reference; MultiAssignment: a Tuple
-  Expr *right = nullptr;                       // Assignment, MultiAssignment, Call
-  List<Branch<Statement>> branches;            // If, When
-  List<ForIndex> iterators;                    // For
-  Expr *condition = nullptr;                   // While
-  List<Statement *> body;                      // For, While
+  Expr *left = nullptr;              // Assignment: a Reference; MultiAssignment: a Tuple
+  Expr *right = nullptr;             // Assignment, MultiAssignment, Call
+  List<Branch<Statement>> branches;  // If, When
+  List<ForIndex> iterators;          // For
+  Expr *condition = nullptr;         // While
+  List<Statement *> body;            // For, While
   Comment comment;
   Span span;
 };
@@ -252,7 +279,18 @@ struct Section {
 // ---- classes ---------------------------------------------------------------------------------------------------------------------
 
 enum class Restriction : std::uint8_t {
-  Class, Model, Record, Block, Connector, Type, Package, Function, OperatorFunction, Operator, OperatorRecord, Optimization,
+  Class,
+  Model,
+  Record,
+  Block,
+  Connector,
+  Type,
+  Package,
+  Function,
+  OperatorFunction,
+  Operator,
+  OperatorRecord,
+  Optimization,
 };
 
 enum class ClassForm : std::uint8_t {
@@ -269,7 +307,7 @@ struct EnumerationLiteral {
 };
 
 struct External {
-  std::string_view language;          // with quotes
+  std::string_view language;  // with quotes
   Reference output;
   bool hasOutput = false;
   Name function;
@@ -283,9 +321,9 @@ struct ClassDefinition {
   Restriction restriction = Restriction::Class;
   bool isEncapsulated = false, isPartial = false, isFinal = false, isExpandable = false, isPure = false, isImpure = false;
   Name name;
-  Name endName;                       // `end X`
-  Comment comment;                    // description; Short, Enumeration, Der: with its annotation
-  Modification *annotation = nullptr; // Long: `annotation(…)` of the class
+  Name endName;                        // `end X`
+  Comment comment;                     // description; Short, Enumeration, Der: with its annotation
+  Modification *annotation = nullptr;  // Long: `annotation(…)` of the class
   List<Element> elements;
   List<Section> sections;
   External *external = nullptr;
@@ -296,8 +334,8 @@ struct ClassDefinition {
   Causality causality = Causality::None;
   Modification *modification = nullptr;  // also an optimization's heading
   List<EnumerationLiteral> literals;
-  bool isOpenEnumeration = false;        // `enumeration(:)`
-  List<Name> derivativeVariables;        // Der
+  bool isOpenEnumeration = false;  // `enumeration(:)`
+  List<Name> derivativeVariables;  // Der
   // constrainedby of a replaceable class
   bool hasConstraint = false;
   Reference constraint;
@@ -314,4 +352,4 @@ struct File {
   List<Span> comments;  // every `//` and `/* */`, in order
 };
 
-} // namespace tf::ast
+}  // namespace tf::ast
