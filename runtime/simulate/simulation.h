@@ -1,0 +1,59 @@
+// Simulation of one compiled model: initialisation, smooth modes, events, frozen phases, in physical and numerical time.
+// The C API (runtime/tf.h) is a thin layer over this class. No exceptions leave it.
+#pragma once
+
+#include "runtime/abi/tf_model.h"
+#include "runtime/model/input_signals.h"
+#include "runtime/model/model_instance.h"
+#include "runtime/tf.h"
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace tf::runtime {
+
+struct SimulationOptions {
+  double tolerance = 1e-6;           // relative, and absolute in units of each variable's nominal
+  tf_integrator integrator = TF_AUTO;
+  int stages = 0;                    // Radau IIA stages 1..4; 0: by tolerance
+  double fixedStep = 0;              // > 0: no error control (studies of order)
+};
+
+class Simulation {
+public:
+  // Both must outlive the simulation.
+  Simulation(ModelInstance &instance, InputSignals &inputs);
+  ~Simulation();
+  Simulation(const Simulation &) = delete;
+  Simulation &operator=(const Simulation &) = delete;
+
+  SimulationOptions options;  // read by initialise
+  std::function<void(const tf_event &)> onEvent;
+
+  // Evaluates the starts, resolves contacts and an impact at the start time. TF_FAILED: see errorText().
+  tf_status initialise(double startTime);
+  // To `time` exactly. On failure the state is that of the last good point.
+  tf_status advanceTo(double time);
+
+  [[nodiscard]] double time() const;
+  [[nodiscard]] double tau() const;
+  // model->variable_count values in the order of the table of variables.
+  void values(double *all);
+  // State just before the latest event, in the same order (--events both); called from onEvent only.
+  void valuesBeforeEvent(double *all);
+  [[nodiscard]] const std::string &errorText() const;
+  [[nodiscard]] const tf_statistics &statistics() const;
+
+  // Everything that continuation depends on.
+  [[nodiscard]] std::size_t stateSize() const;
+  void save(void *buffer) const;
+  void restore(const void *buffer);
+
+private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+} // namespace tf::runtime
