@@ -1,0 +1,38 @@
+// Results as rows over time: CSV (RFC 4180) or JSON.
+#pragma once
+
+#include "runtime/abi/tf_model.h"
+#include "runtime/model/outcome.h"
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace tf::runtime {
+
+// Appends the shortest decimal number that reads back as the same double; "nan", "inf", "-inf"; zero is "0" without a sign.
+void appendNumber(std::string &text, double value);
+// Appends a CSV field, quoted where it contains a comma, a quote or a line break.
+void appendCsvField(std::string &text, std::string_view field);
+
+class ResultWriter {
+public:
+  virtual ~ResultWriter() = default;
+  // By the path's suffix: .csv or .json (in any case). `columns`: numbers of model.variables in the order of the columns.
+  // The file is created at once, so that an unwritable place is noticed before the run.
+  static Outcome<std::unique_ptr<ResultWriter>> create(const std::string &path, const tf_model &model, std::vector<std::int32_t> columns);
+
+  // values: all of model.variables [variable_count]. CSV rows are with the operating system on return; JSON's columns are written by
+  // finish.
+  virtual Outcome<void> writeRow(std::span<const double> values) = 0;
+  // Ends the file; also done, without report, on destruction. Further rows are not allowed.
+  virtual Outcome<void> finish() = 0;
+};
+
+// The columns of all variables of the model that a user asks to see: all but protected ones.
+std::vector<std::int32_t> visibleColumns(const tf_model &model);
+
+}  // namespace tf::runtime
