@@ -1,0 +1,81 @@
+// The frictional contact problem of planar contacts (one slip direction each) in contact space, at acceleration level.
+//
+// Rows: n normal rows, then m tangential rows. Forces λ = (λ_n, λ_t), row accelerations w = D λ + φ with D = J W Jᵀ symmetric positive
+// semidefinite (theory.md section 1). The conditions:
+//   normal row i:      0 ≤ λ_n,i ⟂ w_i ≥ 0
+//   tangential row j:  limit_j = μ_j λ_n,owner (of a contact) or bound_j (owner −1: a friction element)
+//     slipSign_j ≠ 0:  λ_t = −slipSign·limit
+//     slipSign_j = 0:  |λ_t| ≤ limit with w_t = 0, or λ_t = −limit·sign(w_t)
+// Units are the model's own; all tolerances are relative to the scale of the problem in the metric of D.
+#ifndef TF_RUNTIME_CONTACT_CONTACT_PROBLEM_H
+#define TF_RUNTIME_CONTACT_CONTACT_PROBLEM_H
+
+#include "runtime/contact/dense.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tf::runtime {
+
+// Which rows there are and what their friction is.
+struct ContactRows {
+  int normalCount = 0;           // n
+  int tangentCount = 0;          // m
+  std::vector<int> owner;        // m: normal row of the contact, or −1 for a friction element
+  std::vector<double> friction;  // m: μ ≥ 0 where owner ≥ 0
+  std::vector<double> bound;     // m: ≥ 0 where owner = −1
+  std::vector<int> slipSign;     // m: sign of the slip velocity: −1, 0, 1
+
+  [[nodiscard]] int count() const { return normalCount + tangentCount; }
+  [[nodiscard]] double limit(int j, const double *forces) const { return owner[j] >= 0 ? friction[j] * forces[owner[j]] : bound[j]; }
+  // New rows have owner −1, no friction, bound 0 and no slip.
+  void resize(int normals, int tangents);
+};
+
+struct ContactProblem : ContactRows {
+  DenseMatrix delassus;      // D: (n + m) × (n + m)
+  std::vector<double> bias;  // φ: n + m
+
+  // D and φ are zero afterwards.
+  void resize(int normals, int tangents);
+};
+
+// Which inequalities hold as equations. A tangential row of an open contact carries no force; its entry is ignored.
+struct ContactMode {
+  std::vector<std::uint8_t> closed;  // n: 1 closed (w_n = 0), 0 open (λ_n = 0)
+  std::vector<std::int8_t> slip;     // m: 0 stick (w_t = 0), ±1 slip in that direction (λ_t = ∓limit)
+
+  void resize(int normals, int tangents);  // new rows are open and stick
+  bool operator==(const ContactMode &) const = default;
+};
+
+// A side of a force's admissible set. Normal row: λ_n ≥ 0 (side 0). Tangential row: limit − λ_t ≥ 0 (side 1), limit + λ_t ≥ 0 (side −1).
+struct ForceLimit {
+  int row = 0;  // 0 .. n + m − 1
+  int side = 0;
+  bool operator==(const ForceLimit &) const = default;
+};
+
+enum class ContactStatus : std::uint8_t {
+  Solved,
+  Inconsistent,   // no solution: Painlevé; see ContactSolution::forced
+  Indeterminate,  // solutions with different accelerations; the most open one is taken
+  Unsettled       // many rows, and neither a solution nor a proof that there is none was found
+};
+
+struct ContactSolution {
+  ContactStatus status = ContactStatus::Solved;
+  ContactMode mode;
+  std::vector<double> forces;         // λ: n + m
+  std::vector<double> accelerations;  // w: n + m
+  // Certificate: the largest violation of any of the conditions, relative to the scale of the problem.
+  double violation = 0;
+  bool redundant = false;             // D is singular on the active rows: λ is the least-norm one
+  std::vector<ForceLimit> saturated;  // redundant: limits on which the least-norm λ lies within the mode
+  std::vector<int> degenerate;        // rows decided by the next derivative only (ContactSolver::resolve)
+  int forced = -1;                    // Inconsistent: the normal row whose contact starts a frictional impulse
+};
+
+}  // namespace tf::runtime
+
+#endif

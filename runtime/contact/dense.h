@@ -1,0 +1,48 @@
+// Dense storage of the contact solvers: shapes change from mode to mode, memory is kept, so that nothing is allocated after the largest
+// shape has been seen.
+#ifndef TF_RUNTIME_CONTACT_DENSE_H
+#define TF_RUNTIME_CONTACT_DENSE_H
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <vector>
+
+namespace tf::runtime {
+
+// Column-major rows × cols matrix. `resize` leaves the entries undefined.
+class DenseMatrix {
+public:
+  DenseMatrix() = default;
+  DenseMatrix(int rows, int cols) { setZero(rows, cols); }
+
+  void resize(int rows, int cols) {
+    rows_ = rows;
+    cols_ = cols;
+    data_.resize(static_cast<std::size_t>(rows) * static_cast<std::size_t>(cols));
+  }
+  void setZero(int rows, int cols) {
+    resize(rows, cols);
+    data_.assign(data_.size(), 0.0);
+  }
+
+  [[nodiscard]] int rows() const { return rows_; }
+  [[nodiscard]] int cols() const { return cols_; }
+  [[nodiscard]] double *data() { return data_.data(); }
+  [[nodiscard]] const double *data() const { return data_.data(); }
+  [[nodiscard]] double *column(int j) { return data_.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(rows_); }
+  [[nodiscard]] const double *column(int j) const { return data_.data() + static_cast<std::size_t>(j) * static_cast<std::size_t>(rows_); }
+  double &operator()(int i, int j) { return column(j)[i]; }
+  double operator()(int i, int j) const { return column(j)[i]; }
+
+  [[nodiscard]] Eigen::Map<Eigen::MatrixXd> map() { return {data_.data(), rows_, cols_}; }
+  [[nodiscard]] Eigen::Map<const Eigen::MatrixXd> map() const { return {data_.data(), rows_, cols_}; }
+
+private:
+  std::vector<double> data_;
+  int rows_ = 0, cols_ = 0;
+};
+
+}  // namespace tf::runtime
+
+#endif

@@ -1,0 +1,82 @@
+// Impacts while physical time is frozen (theory.md section 3): the velocities of all contacts in the active set follow the sum of the
+// auxiliary fields of the contacts that push. v' is constant between the zeros of c2_i and c3_i, so the path is piecewise linear and is
+// followed from breakpoint to breakpoint without step size or tolerance.
+#ifndef TF_RUNTIME_CONTACT_FROZEN_PHASE_H
+#define TF_RUNTIME_CONTACT_FROZEN_PHASE_H
+
+#include "runtime/contact/contact_problem.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace tf::runtime {
+
+// Rows of the contacts with gap ≤ tol only. Friction elements have no impulse and do not take part: owner[j] ≥ 0. slipSign and bound of
+// ContactRows are not used.
+struct FrozenProblem : ContactRows {
+  DenseMatrix delassus;                // D: (n + m) × (n + m)
+  std::vector<double> normalVelocity;  // n: c2
+  std::vector<double> slipVelocity;    // m: c3
+  std::vector<double> rate;            // n: a_n > 0
+
+  void resize(int normals, int tangents);  // rates are 1, all else 0
+};
+
+enum class FrozenEvent : std::uint8_t {
+  Start,
+  Separation,     // c2 of the row has reached 0, the contact pushes no longer
+  Held,           // c2 of the row has reached 0 and stays there, held between other contacts (push fractional)
+  Recompression,  // c2 of the row falls below 0 again, or for the first time
+  Stick,          // c3 of the row has reached 0 and stays
+  Reversal,       // c3 of the row has changed its sign, or leaves 0
+  Accumulation    // infinitely many breakpoints have been summed
+};
+
+// The state where a piece of the path begins.
+struct FrozenBreakpoint {
+  double tau = 0;  // from the begin of the phase
+  FrozenEvent event = FrozenEvent::Start;
+  int row = -1;                  // 0 .. n + m − 1
+  std::vector<double> velocity;  // n + m: c2, c3
+  std::vector<double> impulse;   // n + m: since the begin
+  std::vector<double> force;     // n + m: on the piece that begins here (push_i a_i, and tangential)
+};
+
+enum class FrozenStatus : std::uint8_t {
+  Finished,
+  Cycle,     // breakpoints repeat without contraction: the impact law has no end (see `rows`)
+  Unbounded  // a contact pushes forever: its row has no mobility (see `rows`)
+};
+
+struct FrozenResult {
+  FrozenStatus status = FrozenStatus::Finished;
+  double duration = 0;           // numerical time of the phase
+  std::vector<double> impulse;   // n + m: total
+  std::vector<double> velocity;  // n + m: final c2, c3; exactly 0 where held
+  std::vector<int> rows;         // normal rows that do not come to an end
+  int breakpointCount = 0;       // of the path; `breakpoints` keeps the first 1000
+};
+
+class FrozenPhase {
+public:
+  FrozenPhase();
+  ~FrozenPhase();
+  FrozenPhase(FrozenPhase &&) noexcept;
+  FrozenPhase &operator=(FrozenPhase &&) noexcept;
+
+  // Follows the path to its end: all c2 ≥ 0 and nothing pushes. `forced` ≥ 0 is a normal row whose contact pushes although its c2 is 0:
+  // the frictional impulse of Painlevé's paradox, D_s < 0 (theory.md section 3). The reference is valid until the next call.
+  const FrozenResult &run(const FrozenProblem &problem, int forced = -1);
+
+  // The path of the last run, its begin first; linear between neighbours.
+  [[nodiscard]] std::span<const FrozenBreakpoint> breakpoints() const;
+
+private:
+  struct Workspace;
+  std::unique_ptr<Workspace> work_;
+};
+
+}  // namespace tf::runtime
+
+#endif

@@ -1,0 +1,62 @@
+// Contact forces as a smooth function of D, φ, μ and bounds within one mode: w = 0 on the active rows (closed normals, sticking tangents),
+// λ_t = −s·limit on the slipping ones. Where D is singular on the active rows: the least-norm λ, on the limits that its mode saturates
+// (theory.md section 6).
+#ifndef TF_RUNTIME_CONTACT_MODE_FORCES_H
+#define TF_RUNTIME_CONTACT_MODE_FORCES_H
+
+#include "runtime/contact/contact_problem.h"
+
+#include <memory>
+#include <span>
+
+namespace tf::runtime {
+
+// An inequality that holds in the mode; it ends, or its representative changes, where the value falls to zero.
+struct ModeMargin {
+  ForceLimit limit;
+  bool multiplier = false;  // the limit is saturated: the value is its multiplier, and zero means that the representative leaves it
+};
+
+enum class MarginOutcome : std::uint8_t {
+  ModeEnds,  // no force of the mode remains admissible: find the successor with ContactSolver
+  Rechosen   // the mode goes on with another least-norm representative (the margins have changed)
+};
+
+class ModeForces {
+public:
+  ModeForces();
+  ~ModeForces();
+  ModeForces(ModeForces &&) noexcept;
+  ModeForces &operator=(ModeForces &&) noexcept;
+
+  // Starts the mode at `problem`. Finds out whether the active rows are redundant, and then the least-norm representative. False: no
+  // force of the mode is admissible there (or the active rows contradict one another).
+  bool start(const ContactProblem &problem, const ContactMode &mode);
+
+  // λ and w at another state of the same mode: only D, φ, μ, bound of `problem` may differ from `start`. Allocates nothing. False: the
+  // matrix has become singular (of a mode that is not redundant), or an entry is not finite.
+  bool evaluate(const ContactProblem &problem);
+
+  [[nodiscard]] std::span<const double> forces() const;         // n + m, after start or evaluate
+  [[nodiscard]] std::span<const double> accelerations() const;  // n + m: exactly 0 on the active rows
+  [[nodiscard]] bool redundant() const;
+
+  // The inequalities of the mode, a smooth function each, and their values at the last evaluation (forces' unit).
+  [[nodiscard]] std::span<const ModeMargin> margins() const;
+  [[nodiscard]] std::span<const double> marginValues() const;
+
+  // The margin has reached zero at the last evaluation and would become negative: can the mode go on with another representative?
+  MarginOutcome cross(int margin);
+
+  // Directional derivative of the forces at the last evaluation: accelerationRate = derivative of D λ + φ with λ fixed (n + m),
+  // limitRate = derivative of the limits with λ fixed (m). Out: forceRate (n + m). In a redundant mode the least-norm one.
+  void forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate, std::span<double> forceRate) const;
+
+private:
+  struct Workspace;
+  std::unique_ptr<Workspace> work_;
+};
+
+}  // namespace tf::runtime
+
+#endif
