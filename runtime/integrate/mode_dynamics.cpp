@@ -1,0 +1,416 @@
+#include "runtime/integrate/mode_dynamics.h"
+
+#include "runtime/contact/time_speed.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+bool allFinite(const double *values, int count) {
+  double sum = 0;  // infinities and NaN survive multiplication by zero and addition
+  for (int i = 0; i < count; ++i)
+    sum += values[i] * 0;
+  return sum == 0;
+}
+
+} // namespace
+
+ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
+    : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
+      freeAcceleration_(evaluation.model().nv), change_(evaluation.model().nv), plus_(evaluation.stateSize()), minus_(evaluation.stateSize()),
+      shifted_(evaluation.stateSize()) {}
+
+bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
+  const tf_model &model = at_.model();
+  mode_ = mode;
+  std::vector<int> contacts, tangents;
+  for (int i = 0; i < model.nc; ++i) {
+    mask_[i] = mode.closed[i];
+    if (mode.closed[i])
+      contacts.push_back(i);
+  }
+  std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
+  for (int j = 0; j < model.nt; ++j)
+    if (mode.tangent[j] != Tangent::None)
+      tangents.push_back(j);
+  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
+  contactMode_.resize(problem_.normalCount, problem_.tangentCount);
+  rows_.choose(model, contacts, tangents, problem_);
+  std::fill(contactMode_.closed.begin(), contactMode_.closed.end(), std::uint8_t{1});
+  for (std::size_t j = 0; j < tangents.size(); ++j)
+    contactMode_.slip[j] = problem_.slipSign[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
+  rowChange_.assign(rows_.count(), 0.0);
+  forceChange_ = cgX_ = cgR_ = cgP_ = cgQ_ = rowChange_;
+  correctedRows_.assign(rows_.count(), 0);
+  limitChange_.assign(tangents.size(), 0.0);
+  closedForce_.assign(contacts.size(), 0.0);
+  closedRate_.clear();
+  for (int i : contacts)
+    closedRate_.push_back(at_.rate[i]);
+  std::fill(at_.normalForce.begin(), at_.normalForce.end(), 0.0);
+  std::fill(at_.tangentForce.begin(), at_.tangentForce.end(), 0.0);
+
+  sliding_.clear();
+  for (int j = 0; j < model.ns; ++j) {
+    slidingMask_[j] = mode.switches[j] == Switch::Sliding;
+    if (slidingMask_[j])
+      sliding_.push_back(j);
+    else
+      at_.stepVariable[j] = mode.switches[j] == Switch::One ? 1 : 0;
+  }
+  slidingResidual_.assign(sliding_.size(), 0.0);
+  slidingMatrix_.resize(static_cast<Eigen::Index>(sliding_.size()), static_cast<Eigen::Index>(sliding_.size()));
+  for (int j : sliding_)
+    at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
+
+  starting_ = true;
+  const bool good = evaluate(time, state, plus_.data());
+  starting_ = false;
+  if (good)
+    buildGuards();
+  return good;
+}
+
+bool ModeDynamics::fail(EvaluationFailure failure) {
+  failure_ = failure;
+  return false;
+}
+
+bool ModeDynamics::prepare(double time, const double *state) {
+  ++evaluations_;
+  at_.setPoint(time, state);
+  if (!at_.dynamics())
+    return fail(allFinite(at_.massMatrix.data(), static_cast<int>(at_.massMatrix.size())) ? EvaluationFailure::SingularMass
+                                                                                          : EvaluationFailure::NotFinite);
+  if (rows_.count() > 0) {
+    at_.contactTerms(mask_.data());
+    rows_.assemble(at_, problem_.delassus, problem_);
+  }
+  return true;
+}
+
+bool ModeDynamics::solveForces() {
+  at_.mass.solve(at_.force.data(), at_.acceleration.data());
+  if (rows_.count() == 0)
+    return true;
+  rows_.bias(at_, at_.acceleration.data(), problem_.bias);
+  const bool solved = starting_ ? forces_.start(problem_, contactMode_) : forces_.evaluate(problem_);
+  if (!solved)
+    return fail(EvaluationFailure::SingularContact);
+  rows_.accelerate(forces_.forces().data(), at_.acceleration.data());
+  return true;
+}
+
+void ModeDynamics::conditionRates(double *rates) {
+  const tf_model &model = at_.model();
+  const int nx = at_.columns();
+  std::vector<double> &qDot = shifted_;
+  at_.kinematics(qDot.data());
+  for (std::size_t s = 0; s < sliding_.size(); ++s) {
+    const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(sliding_[s]) * nx;
+    double sum = 0;
+    for (int i = 0; i < model.nq; ++i)
+      sum += *row++ * qDot[i];
+    for (int i = 0; i < model.nv; ++i)
+      sum += *row++ * at_.acceleration[i];
+    for (int i = 0; i < model.nz; ++i)
+      sum += *row++ * at_.stateRate[i];
+    for (int i = 0; i < model.nu; ++i)
+      sum += *row++ * at_.inputRate[i];
+    rates[s] = sum + *row;
+  }
+}
+
+void ModeDynamics::response(const double *forceChange, const double *biasChange, const double *limitChange, double *accelerationChange) {
+  at_.mass.solve(forceChange, accelerationChange);
+  if (rows_.count() == 0)
+    return;
+  for (int i = 0; i < rows_.count(); ++i)
+    rowChange_[i] = rows_.product(i, accelerationChange) + (biasChange != nullptr ? biasChange[i] : 0);
+  if (limitChange != nullptr)
+    std::copy_n(limitChange, limitChange_.size(), limitChange_.begin());
+  else
+    std::fill(limitChange_.begin(), limitChange_.end(), 0.0);
+  forces_.forceRates(rowChange_, limitChange_, forceChange_);
+  rows_.accelerate(forceChange_.data(), accelerationChange);
+}
+
+// Newton's method for d c_j/dt (alpha) = 0; one iteration where f is affine in the sliding step variables.
+bool ModeDynamics::solveSliding() {
+  const tf_model &model = at_.model();
+  const int count = static_cast<int>(sliding_.size());
+  const int nx = at_.columns();
+  at_.switchGradients(slidingMask_.data());
+  double previous = std::numeric_limits<double>::infinity();
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    conditionRates(slidingResidual_.data());
+    at_.stepDerivatives();
+    for (int k = 0; k < count; ++k) {
+      std::vector<double> &column = minus_;
+      for (int i = 0; i < model.nv; ++i)
+        column[i] = at_.forceByStep[i * model.ns + sliding_[k]];
+      response(column.data(), nullptr, nullptr, change_.data());
+      for (int s = 0; s < count; ++s) {
+        const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(sliding_[s]) * nx + model.nq;
+        double sum = 0;
+        for (int i = 0; i < model.nv; ++i)
+          sum += row[i] * change_[i];
+        for (int i = 0; i < model.nz; ++i)
+          sum += row[model.nv + i] * at_.stateRateByStep[i * model.ns + sliding_[k]];
+        slidingMatrix_(s, k) = sum;
+      }
+    }
+    slidingFactor_.compute(slidingMatrix_);
+    const Eigen::Map<Eigen::VectorXd> residual(slidingResidual_.data(), count);
+    const Eigen::VectorXd step = slidingFactor_.solve(residual);
+    if (!step.allFinite())
+      return fail(EvaluationFailure::SlidingDiverged);
+    for (int k = 0; k < count; ++k)
+      at_.stepVariable[sliding_[k]] -= step[k];
+    at_.forces();
+    if (!solveForces())
+      return false;
+    const double size = step.lpNorm<Eigen::Infinity>();
+    if (size <= 1e-15 || (size >= previous && size <= 1e-12))
+      return true;
+    if (count == 1 && iteration == 1 && size <= 1e-13)
+      return true;
+    previous = size;
+  }
+  return fail(EvaluationFailure::SlidingDiverged);
+}
+
+bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
+  const tf_model &model = at_.model();
+  if (!prepare(time, state) || !solveForces())
+    return false;
+  if (!sliding_.empty() && !solveSliding())
+    return false;
+  const int normals = rows_.normalCount();
+  if (rows_.count() > 0) {
+    const auto forces = forces_.forces();
+    for (int i = 0; i < normals; ++i)
+      at_.normalForce[rows_.contacts()[i]] = closedForce_[i] = std::max(forces[i], 0.0);
+    for (std::size_t j = 0; j < rows_.tangents().size(); ++j)
+      at_.tangentForce[rows_.tangents()[j]] = forces[normals + j];
+  }
+  timeSpeed_ = normals > 0 ? tf::runtime::timeSpeed(closedForce_, closedRate_) : 1;
+  at_.kinematics(rate);
+  std::copy_n(at_.acceleration.data(), model.nv, rate + model.nq);
+  std::copy_n(at_.stateRate.data(), model.nz, rate + model.nq + model.nv);
+  rate[size() - 1] = 1 / timeSpeed_;
+  if (!allFinite(rate, size()))
+    return fail(EvaluationFailure::NotFinite);
+  return true;
+}
+
+void ModeDynamics::differenceJacobian(double time, const double *state, double *matrix) {
+  const int n = size();
+  std::copy_n(state, n, shifted_.begin());
+  std::vector<double> point(state, state + n);
+  for (int k = 0; k < n - 1; ++k) {
+    const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(1.0, std::abs(state[k]));
+    point[k] = state[k] + step;
+    std::vector<double> plus(n), minus(n);
+    const bool up = evaluate(time, point.data(), plus.data());
+    point[k] = state[k] - step;
+    const bool down = evaluate(time, point.data(), minus.data());
+    point[k] = state[k];
+    for (int i = 0; i < n; ++i)
+      matrix[k * n + i] = up && down ? (plus[i] - minus[i]) / (2 * step) : 0;
+  }
+}
+
+bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
+  const tf_model &model = at_.model();
+  const int n = size();
+  const int nx = at_.columns();
+  std::fill_n(matrix, n * n, 0.0);
+  // Second derivatives of the conditions are not part of a compiled model.
+  if (!sliding_.empty() || model.kinematics != nullptr) {
+    differenceJacobian(time, state, matrix);
+    return true;
+  }
+  at_.dynamicsDerivatives(mask_.data());
+  const int normals = rows_.normalCount();
+  std::vector<double> forceChange(model.nv), biasChange(rows_.count()), limitChange(rows_.tangents().size()), column(model.nv);
+  for (int k = 0; k < n - 1; ++k) {
+    for (int i = 0; i < model.nv; ++i)
+      forceChange[i] = -at_.residualByState[i * nx + k];
+    for (int i = 0; i < rows_.count(); ++i)
+      biasChange[i] =
+          i < normals ? at_.normalByState[rows_.contacts()[i] * nx + k] : at_.tangentByState[rows_.tangents()[i - normals] * nx + k];
+    for (std::size_t j = 0; j < limitChange.size(); ++j) {
+      const int owner = problem_.owner[j];
+      limitChange[j] = owner >= 0 ? at_.frictionByState[rows_.contacts()[owner] * nx + k] * closedForce_[owner]
+                                  : at_.boundByState[rows_.tangents()[j] * nx + k];
+    }
+    response(forceChange.data(), biasChange.data(), limitChange.data(), column.data());
+    double *target = matrix + static_cast<std::ptrdiff_t>(k) * n;
+    std::copy(column.begin(), column.end(), target + model.nq);
+    for (int i = 0; i < model.nz; ++i)
+      target[model.nq + model.nv + i] = at_.stateRateByState[i * nx + k];
+    if (k >= model.nq && k < model.nq + model.nv)
+      target[k - model.nq] = 1;
+  }
+  return allFinite(matrix, n * n);
+}
+
+void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate,
+                                     std::vector<double> &frictionRate, std::vector<double> &boundRate) {
+  const tf_model &model = at_.model();
+  const int nx = at_.columns();
+  const std::vector<std::uint8_t> all(mask_.size(), 1);
+  at_.dynamicsDerivatives(all.data());
+  std::vector<double> direction(rate, rate + model.nq + model.nv + model.nz);
+  direction.insert(direction.end(), at_.inputRate.begin(), at_.inputRate.end());
+  direction.push_back(1);
+  const auto along = [&](const std::vector<double> &matrix, int row) {
+    double sum = 0;
+    for (int k = 0; k < nx; ++k)
+      sum += matrix[row * nx + k] * direction[k];
+    return sum;
+  };
+  std::vector<double> jerk(model.nv);
+  for (int i = 0; i < model.nv; ++i)
+    jerk[i] = -along(at_.residualByState, i);
+  at_.mass.solve(jerk.data(), jerk.data());
+  const int normals = rows.normalCount();
+  for (int i = 0; i < rows.count(); ++i)
+    accelerationRate[i] = rows.product(i, jerk.data()) + (i < normals ? along(at_.normalByState, rows.contacts()[i])
+                                                                      : along(at_.tangentByState, rows.tangents()[i - normals]));
+  const std::vector<int> owner = contactsOfTangents(model);
+  for (std::size_t j = 0; j < rows.tangents().size(); ++j) {
+    const int row = rows.tangents()[j];
+    frictionRate[j] = owner[row] >= 0 ? along(at_.frictionByState, owner[row]) : 0;
+    boundRate[j] = owner[row] < 0 ? along(at_.boundByState, row) : 0;
+  }
+}
+
+void ModeDynamics::buildGuards() {
+  const tf_model &model = at_.model();
+  guards_.clear();
+  for (int i = 0; i < model.nc; ++i)
+    if (!mode_.closed[i])
+      guards_.push_back({GuardKind::Gap, i, 1, model.contacts[i].nominal});
+  double largest = 0;
+  if (rows_.count() > 0) {
+    for (double force : forces_.forces())
+      largest = std::max(largest, std::abs(force));
+    for (std::size_t k = 0; k < forces_.margins().size(); ++k)
+      guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
+  }
+  for (int j = 0; j < model.nt; ++j)
+    if (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative)
+      guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
+  for (int j = 0; j < model.ns; ++j) {
+    if (mode_.switches[j] == Switch::Sliding) {
+      guards_.push_back({GuardKind::StepLow, j, 1, 1});
+      guards_.push_back({GuardKind::StepHigh, j, -1, 1});
+    } else {
+      guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
+    }
+  }
+}
+
+void ModeDynamics::guardValues(double *values) {
+  const tf_model &model = at_.model();
+  int parts = 0;
+  if (model.nc > 0)
+    parts |= ModelEvaluation::Gaps;
+  if (!rows_.tangents().empty())
+    parts |= ModelEvaluation::Slips;
+  if (model.ns > 0)
+    parts |= ModelEvaluation::Conditions;
+  if (parts != 0)
+    at_.switching(parts);
+  for (std::size_t k = 0; k < guards_.size(); ++k) {
+    const Guard &guard = guards_[k];
+    switch (guard.kind) {
+    case GuardKind::Gap: values[k] = at_.gap[guard.index]; break;
+    case GuardKind::Force: values[k] = forces_.marginValues()[guard.index]; break;
+    case GuardKind::Slip: values[k] = guard.sign * at_.slip[guard.index]; break;
+    case GuardKind::Condition: values[k] = guard.sign * at_.condition[guard.index]; break;
+    case GuardKind::StepLow: values[k] = at_.stepVariable[guard.index]; break;
+    case GuardKind::StepHigh: values[k] = 1 - at_.stepVariable[guard.index]; break;
+    }
+  }
+}
+
+void ModeDynamics::guardRates(double *rates) const {
+  for (std::size_t k = 0; k < guards_.size(); ++k)
+    rates[k] = guards_[k].kind == GuardKind::Gap ? at_.gapRate[guards_[k].index] : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool ModeDynamics::rechoose(int guard) {
+  assert(guards_[guard].kind == GuardKind::Force);
+  if (forces_.cross(guards_[guard].index) != MarginOutcome::Rechosen)
+    return false;
+  buildGuards();
+  return true;
+}
+
+void ModeDynamics::correct(double *target) {
+  const int rows = rows_.count();
+  std::fill(cgX_.begin(), cgX_.end(), 0.0);
+  std::copy(cgR_.begin(), cgR_.end(), cgP_.begin());
+  double norm = 0;
+  for (int i = 0; i < rows; ++i)
+    norm += cgR_[i] * cgR_[i];
+  const double first = norm;
+  // Conjugate gradients: exact after as many iterations as D has rank, also where D is singular and the residual consistent.
+  for (int iteration = 0; iteration < 2 * rows && norm > 1e-28 * first; ++iteration) {
+    double curvature = 0;
+    for (int i = 0; i < rows; ++i) {
+      cgQ_[i] = 0;
+      for (int j = 0; correctedRows_[i] && j < rows; ++j)
+        cgQ_[i] += problem_.delassus(i, j) * cgP_[j];
+      curvature += cgP_[i] * cgQ_[i];
+    }
+    if (!(curvature > 0))
+      break;
+    const double step = norm / curvature;
+    double next = 0;
+    for (int i = 0; i < rows; ++i) {
+      cgX_[i] += step * cgP_[i];
+      cgR_[i] -= step * cgQ_[i];
+      next += cgR_[i] * cgR_[i];
+    }
+    for (int i = 0; i < rows; ++i)
+      cgP_[i] = cgR_[i] + next / norm * cgP_[i];
+    norm = next;
+  }
+  rows_.accelerate(cgX_.data(), target);
+}
+
+double ModeDynamics::project(double *state, const double *scale) {
+  const int rows = rows_.count();
+  if (rows == 0)
+    return 0;
+  const tf_model &model = at_.model();
+  const int normals = rows_.normalCount();
+  at_.setPoint(at_.time(), state);
+  at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
+  std::copy_n(state, model.nq + model.nv, shifted_.begin());
+  for (int i = 0; i < rows; ++i) {
+    correctedRows_[i] = i < normals;
+    cgR_[i] = i < normals ? -at_.gap[rows_.contacts()[i]] : 0;
+  }
+  correct(state);
+  for (int i = 0; i < rows; ++i) {
+    correctedRows_[i] = i < normals || contactMode_.slip[i - normals] == 0;
+    cgR_[i] = !correctedRows_[i] ? 0 : i < normals ? -at_.gapRate[rows_.contacts()[i]] : -at_.slip[rows_.tangents()[i - normals]];
+  }
+  correct(state + model.nq);
+  double size = 0;
+  for (int k = 0; k < model.nq + model.nv; ++k)
+    size = std::max(size, std::abs(state[k] - shifted_[k]) / scale[k]);
+  return size;
+}
+
+} // namespace tf::runtime

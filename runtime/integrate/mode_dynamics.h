@@ -1,0 +1,115 @@
+// The smooth system of one mode: dy/dt at physical time t, y = (q, v, z, tau), with contact forces out of (q, v) by D (theory.md sections 2
+// and 6), sliding step variables out of d c/dt = 0, and the guards whose zeros end the mode.
+//
+// Physical time is the independent variable where it runs: with beta = dt/dtau > 0, y' = beta (f, 1) is the same curve as dy/dt = f,
+// dtau/dt = 1/beta.
+#pragma once
+
+#include "runtime/contact/mode_forces.h"
+#include "runtime/integrate/mode.h"
+#include "runtime/integrate/model_evaluation.h"
+#include "runtime/integrate/row_system.h"
+
+#include <Eigen/Dense>
+
+#include <cstdint>
+#include <vector>
+
+namespace tf::runtime {
+
+enum class GuardKind : std::uint8_t {
+  Gap,        // open contact: gap ≥ 0
+  Force,      // margin of the contact forces ≥ 0
+  Slip,       // slipping row: |slip| in its direction ≥ 0
+  Condition,  // switch off its surface: ±c ≥ 0
+  StepLow,    // sliding switch: alpha ≥ 0
+  StepHigh,   // sliding switch: 1 − alpha ≥ 0
+};
+
+// A function that is ≥ 0 in the mode.
+struct Guard {
+  GuardKind kind = GuardKind::Gap;
+  int index = 0;      // contact, margin, tangential row or switch
+  double sign = 1;
+  double scale = 1;   // magnitude below 1e-12 · scale is rounding
+};
+
+enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged };
+
+class ModeDynamics {
+public:
+  explicit ModeDynamics(ModelEvaluation &evaluation);
+
+  [[nodiscard]] int size() const { return at_.stateSize(); }
+  [[nodiscard]] ModelEvaluation &model() { return at_; }
+  [[nodiscard]] const Mode &mode() const { return mode_; }
+
+  // Begins the mode at (t, y). False: it has no admissible forces or cannot be evaluated there.
+  bool start(const Mode &mode, double time, const double *state);
+  // dy/dt; forces, accelerations and step variables are in model() afterwards. False: see failure().
+  bool evaluate(double time, const double *state, double *rate);
+  [[nodiscard]] EvaluationFailure failure() const { return failure_; }
+  // dt/dtau of the last evaluation.
+  [[nodiscard]] double timeSpeed() const { return timeSpeed_; }
+
+  // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point.
+  bool jacobian(double time, const double *state, double *matrix);
+
+  // d/dt of the accelerations at fixed contact forces along the motion, for the rows of `rows` (of the same point): derivative of gap'' and
+  // slip'' [rows], friction coefficients and bounds [tangents of rows]. `rate` is dy/dt.
+  void accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate, std::vector<double> &frictionRate,
+                         std::vector<double> &boundRate);
+
+  [[nodiscard]] const std::vector<Guard> &guards() const { return guards_; }
+  // Values at the point of the last evaluation.
+  void guardValues(double *values);
+  // d/dt of the Gap guards at that point (NaN for the others).
+  void guardRates(double *rates) const;
+  // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
+  bool rechoose(int guard);
+
+  // Moves (q, v) onto gap = 0, gap rate = 0 and slip = 0 of the active rows, in the metric of M; the point must be the last evaluation's.
+  // Returns the size of the correction relative to `scale` [n].
+  double project(double *state, const double *scale);
+
+  [[nodiscard]] const RowSystem &rows() const { return rows_; }
+  [[nodiscard]] long long evaluations() const { return evaluations_; }
+  [[nodiscard]] double worstViolation() const { return worstViolation_; }
+
+private:
+  bool prepare(double time, const double *state);
+  bool solveForces();
+  bool solveSliding();
+  // Change of acceleration for a change of f and of the rows' bias and limits, at fixed D.
+  void response(const double *forceChange, const double *biasChange, const double *limitChange, double *accelerationChange);
+  void conditionRates(double *rates);
+  // target += W Jᵀ x with D x = cgR_ on the rows marked in correctedRows_.
+  void correct(double *target);
+  void differenceJacobian(double time, const double *state, double *matrix);
+  bool fail(EvaluationFailure failure);
+  void buildGuards();
+
+  ModelEvaluation &at_;
+  Mode mode_;
+  RowSystem rows_;
+  ContactProblem problem_;
+  ContactMode contactMode_;
+  ModeForces forces_;
+  std::vector<std::uint8_t> mask_, slidingMask_;
+  std::vector<int> sliding_;
+  std::vector<Guard> guards_;
+  std::vector<double> closedForce_, closedRate_;
+  double timeSpeed_ = 1;
+  EvaluationFailure failure_ = EvaluationFailure::None;
+  long long evaluations_ = 0;
+  double worstViolation_ = 0;
+  bool starting_ = false;
+  // workspaces
+  std::vector<double> freeAcceleration_, change_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
+  std::vector<double> cgX_, cgR_, cgP_, cgQ_;
+  std::vector<std::uint8_t> correctedRows_;
+  Eigen::MatrixXd slidingMatrix_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;
+};
+
+} // namespace tf::runtime

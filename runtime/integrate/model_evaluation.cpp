@@ -1,0 +1,126 @@
+#include "runtime/integrate/model_evaluation.h"
+
+#include <algorithm>
+
+namespace tf::runtime {
+
+namespace {
+
+std::vector<double> array(int rows, int columns = 1) { return std::vector<double>(static_cast<std::size_t>(rows) * columns); }
+
+} // namespace
+
+ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inputs)
+    : mass(model.nv), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)), gap(array(model.nc)),
+      gapRate(array(model.nc)), slip(array(model.nt)), condition(array(model.ns)), normal(array(model.nc, model.nv)),
+      normalBias(array(model.nc)), tangent(array(model.nt, model.nv)), tangentBias(array(model.nt)), friction(array(model.nc)),
+      bound(array(model.nt)), rate(array(model.nc)), restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)),
+      stateRateByStep(array(model.nz, model.ns)), input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)),
+      acceleration(array(model.nv)), normalForce(array(model.nc)), tangentForce(array(model.nt)), model_(&model), inputs_(&inputs) {
+  const int nx = columns();
+  conditionGradient = array(model.ns, nx);
+  residualByState = array(model.nv, nx);
+  stateRateByState = array(model.nz, nx);
+  normalByState = array(model.nc, nx);
+  tangentByState = array(model.nt, nx);
+  frictionByState = array(model.nc, nx);
+  boundByState = array(model.nt, nx);
+  in_[TF_IN_TIME] = &time_;
+  in_[TF_IN_U] = input.data();
+  in_[TF_IN_ALPHA] = stepVariable.data();
+  in_[TF_IN_A] = acceleration.data();
+  in_[TF_IN_NORMAL] = normalForce.data();
+  in_[TF_IN_TANGENT] = tangentForce.data();
+  in_[TF_IN_ZDOT] = stateRate.data();
+}
+
+bool ModelEvaluation::setParameters(const double *parameters) {
+  in_[TF_IN_P] = parameters;
+  contactParameters();
+  if (!model_->mass_is_constant || model_->nv == 0)
+    return true;
+  // The mass depends on parameters only: any point will do.
+  const std::vector<double> zero(stateSize());
+  in_[TF_IN_Q] = in_[TF_IN_V] = in_[TF_IN_Z] = zero.data();
+  forces();
+  return mass.factorise(massMatrix.data());
+}
+
+void ModelEvaluation::setSegment(double segment) {
+  segment_ = segment;
+  constantInputs_ = inputs_->isConstant(segment);
+  inputs_->evaluate(segment, segment, input.data(), inputRate.data());
+}
+
+void ModelEvaluation::setPoint(double time, const double *state) {
+  time_ = time;
+  in_[TF_IN_Q] = state;
+  in_[TF_IN_V] = state + model_->nq;
+  in_[TF_IN_Z] = state + model_->nq + model_->nv;
+  if (!constantInputs_)
+    inputs_->evaluate(time, segment_, input.data(), inputRate.data());
+}
+
+bool ModelEvaluation::dynamics() {
+  forces();
+  return model_->mass_is_constant != 0 || model_->nv == 0 || mass.factorise(massMatrix.data());
+}
+
+void ModelEvaluation::forces() {
+  double *const out[] = {massMatrix.data(), force.data(), stateRate.data()};
+  model_->dynamics(in_, out, nullptr);
+}
+
+void ModelEvaluation::switching(int parts) {
+  const std::uint8_t mask[] = {static_cast<std::uint8_t>(parts & Gaps), static_cast<std::uint8_t>(parts & Slips),
+                               static_cast<std::uint8_t>(parts & Conditions)};
+  double *const out[] = {gap.data(), gapRate.data(), slip.data(), condition.data()};
+  model_->switching(in_, out, mask);
+}
+
+void ModelEvaluation::contactTerms(const std::uint8_t *mask) {
+  double *const out[] = {normal.data(), normalBias.data(), tangent.data(), tangentBias.data(), friction.data(), bound.data()};
+  model_->contact_terms(in_, out, mask);
+}
+
+void ModelEvaluation::contactParameters() {
+  double *const out[] = {rate.data(), restitution.data()};
+  model_->contact_parameters(in_, out, nullptr);
+}
+
+void ModelEvaluation::switchGradients(const std::uint8_t *mask) {
+  double *const out[] = {conditionGradient.data()};
+  model_->switch_gradients(in_, out, mask);
+}
+
+void ModelEvaluation::stepDerivatives() {
+  double *const out[] = {forceByStep.data(), stateRateByStep.data()};
+  model_->step_derivatives(in_, out, nullptr);
+}
+
+void ModelEvaluation::dynamicsDerivatives(const std::uint8_t *mask) {
+  double *const out[] = {residualByState.data(), stateRateByState.data(), normalByState.data(),
+                         tangentByState.data(),  frictionByState.data(),  boundByState.data()};
+  model_->dynamics_derivatives(in_, out, mask);
+}
+
+void ModelEvaluation::kinematics(double *qDot) const {
+  if (model_->kinematics == nullptr) {
+    std::copy_n(in_[TF_IN_V], model_->nv, qDot);
+    return;
+  }
+  double *const out[] = {qDot};
+  model_->kinematics(in_, out, nullptr);
+}
+
+void ModelEvaluation::evaluateOutputs(double *values) {
+  double *const out[] = {values};
+  model_->outputs(in_, out, nullptr);
+}
+
+void ModelEvaluation::energies(double &kinetic, double &potential, double &power) {
+  double *const out[] = {&kinetic, &potential, &power};
+  model_->energies(in_, out, nullptr);
+}
+
+} // namespace tf::runtime

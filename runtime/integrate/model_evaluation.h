@@ -1,0 +1,70 @@
+// The generated functions of a model at one point (t, y), with their results in named arrays. y = (q, v, z, tau).
+#pragma once
+
+#include "runtime/abi/tf_model.h"
+#include "runtime/integrate/mass_matrix.h"
+#include "runtime/model/input_signals.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+
+// Shapes and layouts are those of runtime/abi/tf_model.h. Arrays hold the results of the latest call of the function named beside them.
+class ModelEvaluation {
+public:
+  ModelEvaluation(const tf_model &model, const InputSignals &inputs);
+
+  // np values, which must outlive the evaluation; factorises a constant mass matrix. False: it is not positive definite.
+  bool setParameters(const double *parameters);
+  // A time strictly inside the smooth piece of the inputs that is meant.
+  void setSegment(double segment);
+  [[nodiscard]] double segment() const { return segment_; }
+  // The state [stateSize()] must stay where it is until the functions have been called.
+  void setPoint(double time, const double *state);
+
+  // M, f, z' and the factor of M. False: M is not positive definite.
+  bool dynamics();
+  // f and z' for new step variables at the same point.
+  void forces();
+  enum SwitchingPart : std::uint8_t { Gaps = 1, Slips = 2, Conditions = 4 };
+  void switching(int parts = Gaps | Slips | Conditions);
+  // mask [nc + nf]
+  void contactTerms(const std::uint8_t *mask);
+  void contactParameters();
+  // mask [ns]
+  void switchGradients(const std::uint8_t *mask);
+  void stepDerivatives();
+  // At the accelerations and forces in `acceleration`, `normalForce`, `tangentForce`; mask [nc + nf].
+  void dynamicsDerivatives(const std::uint8_t *mask);
+  void kinematics(double *qDot) const;
+  void evaluateOutputs(double *values);
+  void energies(double &kinetic, double &potential, double &power);
+
+  [[nodiscard]] const tf_model &model() const { return *model_; }
+  [[nodiscard]] int stateSize() const { return model_->nq + model_->nv + model_->nz + 1; }
+  [[nodiscard]] int columns() const { return model_->nq + model_->nv + model_->nz + model_->nu + 1; }
+  [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
+  [[nodiscard]] double time() const { return time_; }
+
+  MassMatrix mass;
+  std::vector<double> massMatrix, force, stateRate;                                   // dynamics
+  std::vector<double> gap, gapRate, slip, condition;                                  // switching
+  std::vector<double> normal, normalBias, tangent, tangentBias, friction, bound;      // contactTerms
+  std::vector<double> rate, restitution;                                              // contactParameters
+  std::vector<double> conditionGradient;                                              // switchGradients
+  std::vector<double> forceByStep, stateRateByStep;                                   // stepDerivatives
+  std::vector<double> residualByState, stateRateByState, normalByState, tangentByState, frictionByState, boundByState;  // dynamicsDerivatives
+  // Arguments that others fill in.
+  std::vector<double> input, inputRate, stepVariable, acceleration, normalForce, tangentForce;
+
+private:
+  const tf_model *model_;
+  const InputSignals *inputs_;
+  const double *in_[TF_IN_COUNT] = {};
+  double time_ = 0, segment_ = 0;
+  bool constantInputs_ = false;
+};
+
+} // namespace tf::runtime
