@@ -29,4 +29,4 @@ struct Function {
 [[nodiscard]] std::string print(const Function &function, const Graph &graph, const std::function<std::string(Symbol)> &name);
 [[nodiscard]] std::string verify(const Function &function, const Graph &graph);
 
-} // namespace tf::ir
+}  // namespace tf::ir

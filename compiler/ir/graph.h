@@ -3,7 +3,8 @@
 // Semantics. Every node is a double. Booleans are 0 and 1. Division by zero, sqrt of a negative number and so on have IEEE values; nothing
 // traps. `Select(alpha, a, b)` is a where alpha = 1, b where alpha = 0 (the other is not evaluated into the value: 0·NaN cannot occur) and
 // alpha·a + (1 − alpha)·b between (theory.md section 5). `IfElse(c, a, b)` selects on a Boolean. A node's operands have smaller ids.
-// Building a node simplifies it: constants are folded (never to a NaN or infinity), 0 + x, 1·x, 0·x, x − x, −(−x), x^1, x^2 → x·x, equal branches…
+// Building a node simplifies it: constants are folded (never to a NaN or infinity), 0 + x, 1·x, 0·x, x − x, −(−x), x^1, x^2 → x·x, equal
+// branches…
 #pragma once
 
 #include "lang/base/source.h"
@@ -12,7 +13,6 @@
 #include <functional>
 #include <span>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 namespace tf::ir {
@@ -20,7 +20,18 @@ namespace tf::ir {
 using NodeId = std::int32_t;
 
 enum class SymbolKind : std::uint8_t {
-  Time, Coordinate, Velocity, State, Input, Parameter, StepVariable, Acceleration, NormalForce, TangentForce, StateDerivative,
+  Time,
+  Coordinate,
+  Velocity,
+  State,
+  Input,
+  Parameter,
+  StepVariable,
+  Acceleration,
+  NormalForce,
+  TangentForce,
+  StateDerivative,
+  Unknown,  // a variable that an equation is yet to be solved for; occurs in no HybridSystem
 };
 
 struct Symbol {
@@ -30,11 +41,40 @@ struct Symbol {
 };
 
 enum class Op : std::uint8_t {
-  Constant, Symbol,
-  Neg, Add, Sub, Mul, Div, Pow,      // Pow(a, b): integer constants b are multiplied out by code generation
-  Sqrt, Exp, Log, Log10, Sin, Cos, Tan, Asin, Acos, Atan, Atan2, Sinh, Cosh, Tanh,
-  Abs, Sign, Min, Max, Floor, Ceil,  // inside noEvent or where no event may happen
-  Less, LessEqual, Equal, And, Or, Not,
+  Constant,
+  Symbol,
+  Neg,
+  Add,
+  Sub,
+  Mul,
+  Div,
+  Pow,  // Pow(a, b): integer constants b are multiplied out by code generation
+  Sqrt,
+  Exp,
+  Log,
+  Log10,
+  Sin,
+  Cos,
+  Tan,
+  Asin,
+  Acos,
+  Atan,
+  Atan2,
+  Sinh,
+  Cosh,
+  Tanh,
+  Abs,
+  Sign,
+  Min,
+  Max,
+  Floor,
+  Ceil,  // inside noEvent or where no event may happen
+  Less,
+  LessEqual,
+  Equal,
+  And,
+  Or,
+  Not,
   IfElse,
   Select,
 };
@@ -42,8 +82,8 @@ enum class Op : std::uint8_t {
 struct Node {
   Op op = Op::Constant;
   std::uint8_t arity = 0;
-  Symbol symbol;          // Op::Symbol
-  double value = 0;       // Op::Constant
+  Symbol symbol;     // Op::Symbol
+  double value = 0;  // Op::Constant
   NodeId operands[3] = {-1, -1, -1};
 };
 
@@ -72,9 +112,17 @@ public:
 
 private:
   NodeId insert(const Node &node);
+  NodeId operation(Op op, std::span<const NodeId> operands);  // as it stands, without simplification
+  NodeId addition(NodeId a, NodeId b);
+  NodeId subtraction(NodeId a, NodeId b);
+  NodeId product(NodeId a, NodeId b);
+  NodeId quotient(NodeId a, NodeId b);
+  NodeId power(NodeId a, NodeId b);
+  NodeId logical(Op op, NodeId a, NodeId b);
+  void rehash(std::size_t slots);
 
   std::vector<Node> nodes_;
-  std::unordered_map<std::size_t, std::vector<NodeId>> index_;
+  std::vector<NodeId> table_;  // open addressing over nodes_; −1 free; a power of two of slots, at most half of them used
 };
 
 // Directional derivative (forward mode): d roots[k] along the direction that `seed` gives for each symbol (the constant 0 for those that do
@@ -82,11 +130,13 @@ private:
 [[nodiscard]] std::vector<NodeId> forwardDerivative(Graph &graph, std::span<const NodeId> roots, const std::function<NodeId(Symbol)> &seed);
 
 // Gradient of sum_k weights[k]·roots[k] with respect to `variables` (reverse mode, one sweep). `variables` are symbol nodes.
-// Weights are treated as constants even where they depend on the variables.
+// Weights are treated as constants even where they depend on the variables. A branch that a Select or IfElse did not take never reaches the
+// gradient, not even as 0·NaN.
 [[nodiscard]] std::vector<NodeId> reverseDerivative(Graph &graph, std::span<const NodeId> roots, std::span<const NodeId> weights,
                                                     std::span<const NodeId> variables);
 
-// Jacobian d roots[i] / d variables[j], row-major; structural zeros are the constant 0. Picks forward or reverse by rows and columns.
+// Jacobian d roots[i] / d variables[j], row-major; structural zeros are the constant 0. Fewer rows than columns: one reverse sweep per row
+// over what that row reaches; otherwise one forward sweep that carries only the non-zero derivatives of each node.
 [[nodiscard]] std::vector<NodeId> jacobian(Graph &graph, std::span<const NodeId> roots, std::span<const NodeId> variables);
 
 // The same nodes with symbols replaced (chain rule, elimination of solved variables). `replacement` returns -1 to keep a symbol.
@@ -100,10 +150,11 @@ private:
 [[nodiscard]] std::vector<double> evaluate(const Graph &graph, std::span<const NodeId> roots, const std::function<double(Symbol)> &value);
 [[nodiscard]] double applyOperation(Op op, std::span<const double> operands);
 
-// Infix text; names of symbols by `name`. Subexpressions used more than once may be named: see printDefinitions.
+// Infix text with as few parentheses as the meaning needs; names of symbols by `name`. Where sharing would make the text much longer than
+// the graph, shared subexpressions are named: "t7*t7 where t7 = sin(x)".
 [[nodiscard]] std::string print(const Graph &graph, NodeId root, const std::function<std::string(Symbol)> &name);
 
 // First violation of the graph's invariants (operand order, arity, uniqueness), empty if none.
 [[nodiscard]] std::string verify(const Graph &graph);
 
-} // namespace tf::ir
+}  // namespace tf::ir

@@ -1,0 +1,265 @@
+#include "compiler/ir/function.h"
+#include "compiler/ir/operations.h"
+#include "compiler/ir/subgraph.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <map>
+#include <variant>
+
+namespace tf::ir {
+
+namespace {
+
+// Modelica's levels of binding, loosest first.
+enum Level : int { Choice, Disjunction, Conjunction, Negation, Relation, Sum, Product, Power, Primary };
+
+using Names = std::map<NodeId, std::string>;
+using SymbolNames = std::function<std::string(Symbol)>;
+
+// Writes an expression with an explicit stack of pending pieces; linear in the length of the text.
+class Printer {
+public:
+  Printer(const Graph &graph, const SymbolNames &symbolName, const Names &names) : graph_(graph), symbolName_(symbolName), names_(names) {}
+
+  // A node that has a name is written in full only where `expand` names it.
+  std::string text(NodeId root, bool expand = false) {
+    out_.clear();
+    pending_.clear();
+    pending_.emplace_back(Operand{root, Choice, expand});
+    while (!pending_.empty()) {
+      const Piece piece = pending_.back();
+      pending_.pop_back();
+      if (const auto *literal = std::get_if<const char *>(&piece))
+        out_ += *literal;
+      else
+        write(std::get<Operand>(piece));
+    }
+    return out_;
+  }
+
+private:
+  struct Operand {
+    NodeId id;
+    int level;  // the loosest that needs no parentheses here
+    bool expand = false;
+  };
+  using Piece = std::variant<const char *, Operand>;
+
+  [[nodiscard]] bool isNegative(NodeId id) const { return graph_[id].op == Op::Constant && std::signbit(graph_[id].value); }
+
+  [[nodiscard]] int levelOf(NodeId id) const {
+    const Node &node = graph_[id];
+    if (names_.contains(id))
+      return Primary;
+    switch (node.op) {
+    case Op::Constant:
+      return isNegative(id) ? Sum : Primary;
+    case Op::IfElse:
+      return Choice;
+    case Op::Or:
+      return Disjunction;
+    case Op::And:
+      return Conjunction;
+    case Op::Not:
+      return relation(node) != nullptr ? Relation : Negation;
+    case Op::Less:
+    case Op::LessEqual:
+    case Op::Equal:
+      return Relation;
+    case Op::Neg:
+    case Op::Add:
+    case Op::Sub:
+      return Sum;
+    case Op::Mul:
+      return isNegative(node.operands[0]) ? Sum : node.operands[0] == node.operands[1] ? Power : Product;
+    case Op::Div:
+      return isNegative(node.operands[0]) ? Sum : Product;
+    case Op::Pow:
+      return Power;
+    default:
+      return Primary;
+    }
+  }
+
+  // The relation's sign; of a negated relation its opposite.
+  [[nodiscard]] const char *relation(const Node &node) const {
+    const bool negated = node.op == Op::Not;
+    const Op op = negated ? graph_[node.operands[0]].op : node.op;
+    if (negated && names_.contains(node.operands[0]))
+      return nullptr;
+    switch (op) {
+    case Op::Less:
+      return negated ? " >= " : " < ";
+    case Op::LessEqual:
+      return negated ? " > " : " <= ";
+    case Op::Equal:
+      return negated ? " <> " : " == ";
+    default:
+      return nullptr;
+    }
+  }
+
+  // Pieces are written first to last.
+  void push(std::initializer_list<Piece> pieces) { pending_.insert(pending_.end(), std::rbegin(pieces), std::rend(pieces)); }
+
+  void write(Operand operand) {
+    if (const auto found = names_.find(operand.id); found != names_.end() && !operand.expand) {
+      out_ += found->second;
+      return;
+    }
+    const bool parentheses = levelOf(operand.id) < operand.level;
+    if (parentheses) {
+      push({"(", Operand{operand.id, Choice, operand.expand}, ")"});
+      return;
+    }
+    writeBare(graph_[operand.id]);
+  }
+
+  // The right operand of + and · needs no parentheses around an operation of the same level, if it does not begin with a sign.
+  [[nodiscard]] int rightLevel(NodeId id, int level) const {
+    const bool begins = levelOf(id) == level && graph_[id].arity == 2 && levelOf(graph_[id].operands[0]) > Sum;
+    return begins ? level : level + 1;
+  }
+
+  void writeBare(const Node &node) {
+    const NodeId a = node.operands[0];
+    const NodeId b = node.operands[1];
+    const auto left = [&](int level) { return Operand{a, isNegative(a) ? Sum : level}; };
+    switch (node.op) {
+    case Op::Constant:
+      out_ += fmt::format("{}", node.value);
+      return;
+    case Op::Symbol:
+      out_ += symbolName_(node.symbol);
+      return;
+    case Op::Neg:
+      return push({"-", Operand{a, Product}});
+    case Op::Add:
+      return graph_[a].op == Op::Constant ? push({Operand{b, Sum}, " + ", Operand{a, Product}})
+                                          : push({Operand{a, Sum}, " + ", Operand{b, rightLevel(b, Sum)}});
+    case Op::Sub:
+      return push({Operand{a, Sum}, " - ", Operand{b, Product}});
+    case Op::Mul:
+      return a == b ? push({Operand{a, Primary}, "^2"}) : push({left(Product), "*", Operand{b, rightLevel(b, Product)}});
+    case Op::Div:
+      return push({left(Product), "/", Operand{b, Power}});
+    case Op::Pow:
+      return push({Operand{a, Primary}, "^", Operand{b, Primary}});
+    default:
+      writeLogical(node);
+    }
+  }
+
+  void writeLogical(const Node &node) {
+    const NodeId a = node.operands[0];
+    const NodeId b = node.operands[1];
+    switch (node.op) {
+    case Op::Less:
+    case Op::LessEqual:
+    case Op::Equal:
+      return push({Operand{a, Sum}, relation(node), Operand{b, Sum}});
+    case Op::Not:
+      if (const char *sign = relation(node); sign != nullptr)
+        return push({Operand{graph_[a].operands[0], Sum}, sign, Operand{graph_[a].operands[1], Sum}});
+      return push({"not ", Operand{a, Relation}});
+    case Op::And:
+      return push({Operand{a, Conjunction}, " and ", Operand{b, Negation}});
+    case Op::Or:
+      return push({Operand{a, Disjunction}, " or ", Operand{b, Conjunction}});
+    case Op::IfElse:
+      return push({"if ", Operand{a, Disjunction}, " then ", Operand{b, Disjunction}, " else ", Operand{node.operands[2], Choice}});
+    default:
+      writeCall(node);
+    }
+  }
+
+  void writeCall(const Node &node) {
+    out_ += functionName(node.op);
+    out_ += '(';
+    pending_.emplace_back(")");
+    for (int k = node.arity - 1; k >= 0; --k) {
+      pending_.emplace_back(Operand{node.operands[k], Choice});
+      if (k > 0)
+        pending_.emplace_back(", ");
+    }
+  }
+
+  const Graph &graph_;
+  const SymbolNames &symbolName_;
+  const Names &names_;
+  std::string out_;
+  std::vector<Piece> pending_;
+};
+
+// Names t1, t2, … for operations that are used more than once, in topological order. `roots` count as uses.
+Names nameShared(const Graph &graph, const Subgraph &reached, std::span<const NodeId> roots) {
+  std::vector<int> uses(static_cast<std::size_t>(reached.size()), 0);
+  const auto use = [&](NodeId id) { ++uses[static_cast<std::size_t>(reached.position(id))]; };
+  for (const NodeId root : roots)
+    use(root);
+  for (const NodeId id : reached.nodes()) {
+    const Node &node = graph[id];
+    for (int k = 0; k < node.arity; ++k)
+      if (k == 0 || node.operands[k] != node.operands[0])
+        use(node.operands[k]);
+  }
+  Names names;
+  for (const NodeId id : reached.nodes()) {
+    const Node &node = graph[id];
+    const bool trivial = node.arity == 0 || (node.op == Op::Neg && graph[node.operands[0]].arity == 0);
+    if (!trivial && uses[static_cast<std::size_t>(reached.position(id))] > 1)
+      names.emplace(id, fmt::format("t{}", names.size() + 1));
+  }
+  return names;
+}
+
+// Number of nodes of the expression written out as a tree.
+double treeSize(const Graph &graph, const Subgraph &reached) {
+  std::vector<double> sizes(static_cast<std::size_t>(reached.size()), 1);
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    const Node &node = graph[reached.node(static_cast<int>(k))];
+    for (int j = 0; j < node.arity; ++j)
+      sizes[k] += sizes[static_cast<std::size_t>(reached.position(node.operands[j]))];
+  }
+  return sizes.back();
+}
+
+}  // namespace
+
+std::string print(const Graph &graph, NodeId root, const SymbolNames &name) {
+  const Subgraph reached(graph, std::array{root});
+  const bool isMuchShared = treeSize(graph, reached) > 200 + 3.0 * reached.size();
+  const Names names = isMuchShared ? nameShared(graph, reached, {}) : Names{};
+  Printer printer(graph, name, names);
+  std::string text = printer.text(root, true);
+  const char *separator = " where ";
+  for (const auto &[id, shared] : names) {
+    if (id == root)
+      continue;
+    text += fmt::format("{}{} = {}", separator, shared, printer.text(id, true));
+    separator = ", ";
+  }
+  return text;
+}
+
+std::string print(const Function &function, const Graph &graph, const SymbolNames &name) {
+  std::vector<NodeId> roots;
+  for (const Store &store : function.stores)
+    roots.push_back(store.node);
+  const Subgraph reached(graph, roots);
+  const Names names = nameShared(graph, reached, roots);
+  Printer printer(graph, name, names);
+  std::string text = fmt::format("function {}\n", function.name);
+  for (const auto &[id, shared] : names)
+    text += fmt::format("  {} = {}\n", shared, printer.text(id, true));
+  for (const Store &store : function.stores) {
+    const std::string guard = store.group < 0 ? "" : fmt::format("  if mask[{}]", store.group);
+    text += fmt::format("  out[{}][{}] = {}{}\n", store.buffer, store.position, printer.text(store.node), guard);
+  }
+  return text;
+}
+
+}  // namespace tf::ir
