@@ -75,9 +75,9 @@ NodeId Graph::binary(Op op, NodeId a, NodeId b) {
     if (std::isfinite(value))
       return constant(value);
   }
-  // One order of operands for commutative operations: the constant first, then by id.
+  // One order of operands for commutative operations: the constant first, then by id. Conditions are kept as written.
   if (isCommutative(op)) {
-    const auto rank = [&](NodeId id) { return std::pair((*this)[id].op != Op::Constant, id); };
+    const auto rank = [&](NodeId id) { return std::pair((*this)[id].op != Op::Constant, op == Op::Add || op == Op::Mul ? id : 0); };
     if (rank(b) < rank(a))
       std::swap(a, b);
   }
