@@ -1,0 +1,24 @@
+#!/usr/bin/env bash
+# Regenerates docs/*.svg: runs the examples with the program in the given build folder and draws their results. make_pictures.sh BUILD_FOLDER
+set -euo pipefail
+build=$(realpath "${1:?'usage: make_pictures.sh BUILD_FOLDER'}")
+top=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+data=$(mktemp -d)
+trap 'rm -rf "$data"' EXIT
+
+# picture NAME FILE [ARGS]: the result of `tfc run examples/FILE ARGS`, drawn as docs/pictures/NAME.plot says, in docs/NAME.svg.
+picture() {
+  local name=$1 file=$2
+  shift 2
+  "$build/tfc" run "$top/examples/$file" --quiet "$@" -o "$data/$name.csv"
+  "$build/tf_plot" "$top/docs/pictures/$name.plot" "$data" "$top/docs/$name.svg"
+}
+
+picture particle particle.tf --set mu=0.6 --set 'u[1]=7' --set 'u[2]=if time < 1 then 0 else 2*g*(time-1)' --stop-time 2 --interval 0.005
+picture falling_box falling_box.tf --interval 0.005
+picture falling_rod falling_rod.tf --interval 0.005
+picture chain chain.tf --interval 0.002
+picture stickslip stickslip.tf --stop-time 10 --interval 0.01
+picture den_hartog den_hartog.tf --interval 0.02
+picture moving_ground moving_ground.tf --interval 0.002
+picture pushed_block pushed_block.tf --interval 0.005
