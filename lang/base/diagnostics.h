@@ -53,9 +53,10 @@ public:
   // In order of report; a second report of the same kind at the same span is dropped (without a span: one with the same message).
   [[nodiscard]] const std::deque<Diagnostic> &all() const { return all_; }
 
-private:
+  // A diagnostic that was made elsewhere.
   Diagnostic &add(Diagnostic diagnostic);
 
+private:
   std::deque<Diagnostic> all_;
   std::set<std::tuple<const DiagnosticKind *, FileId, std::uint32_t, std::uint32_t>> reported_;
   Diagnostic duplicate_;  // what notes to a dropped report go to

@@ -32,4 +32,4 @@ public:
 // Readable indented tree, stable for goldens (`--emit ast`).
 [[nodiscard]] std::string print(const File &file);
 
-} // namespace tf::ast
+}  // namespace tf::ast
