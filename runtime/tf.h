@@ -81,6 +81,8 @@ double tf_time(const tf_simulation *simulation);
 /* Value of variable number `index` at the current point; tf_get_all: all of model->variables, in order. */
 double tf_get(tf_simulation *simulation, int32_t index);
 tf_status tf_get_all(tf_simulation *simulation, double *values);
+/* In an event callback: all variables just before the event (tf_get_all gives them just after it). */
+tf_status tf_get_all_before(tf_simulation *simulation, double *values);
 /* Value by name or alias. */
 tf_status tf_get_named(tf_simulation *simulation, const char *name, double *value);
 
