@@ -1,0 +1,157 @@
+// CPU time of a simulation by libtf in one process (initialise and advance to the end, the model being loaded) against the hand-written
+// event-driven program for the same problem, both at the loosest tolerance that meets the error asked for.
+#include "runtime/tf.h"
+#include "tests/benchmarks/hand_written/planar_body.h"
+#include "tests/benchmarks/hand_written/slip_stick.h"
+#include "tests/benchmarks/measurement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+
+namespace tf::bench {
+
+namespace {
+
+constexpr double kError = 1e-8;
+constexpr std::array kTolerances = {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
+
+struct Expected {
+  const char *variable;
+  double value;
+};
+
+struct Problem {
+  std::string name;
+  std::string file;
+  std::vector<std::pair<const char *, double>> settings;
+  double end = 0;
+  std::vector<Expected> expected;                       // at the end
+  double bar = 0;                                       // microseconds of CPU
+  std::function<double(double tolerance)> handWritten;  // returns its error
+};
+
+class Run {
+public:
+  Run(const std::string &library, const Problem &problem) : problem_(problem) {
+    tf_simulation *raw = nullptr;
+    const tf_status status = tf_load(library.c_str(), &raw);
+    simulation_.reset(raw);
+    check(status);
+    for (const auto &[name, value] : problem.settings) {
+      check(tf_set(raw, name, value));
+    }
+  }
+
+  void simulate(double tolerance) {
+    check(tf_set_tolerance(simulation_.get(), tolerance));
+    check(tf_initialise(simulation_.get(), 0));
+    check(tf_step(simulation_.get(), problem_.end));
+  }
+
+  double error() {
+    double worst = 0;
+    for (const Expected &expected : problem_.expected) {
+      double value = 0;
+      check(tf_get_named(simulation_.get(), expected.variable, &value));
+      worst = std::max(worst, std::abs(value - expected.value));
+    }
+    return worst;
+  }
+
+private:
+  struct Free {
+    void operator()(tf_simulation *simulation) const { tf_free(simulation); }
+  };
+
+  void check(tf_status status) const {
+    if (status != TF_OK) {
+      throw std::runtime_error(problem_.name + ": " + tf_error_text(simulation_.get()));
+    }
+  }
+
+  const Problem &problem_;
+  std::unique_ptr<tf_simulation, Free> simulation_;
+};
+
+// The loosest tolerance whose error is small enough, and that error.
+std::pair<double, double> loosest(const std::string &name, const std::function<double(double)> &errorOf) {
+  for (const double tolerance : kTolerances) {
+    const double error = errorOf(tolerance);
+    if (error <= kError) {
+      return {tolerance, error};
+    }
+  }
+  throw std::runtime_error(fmt::format("{}: no tolerance gives an error of {}", name, kError));
+}
+
+void measureProblem(const Setup &setup, const Problem &problem, std::vector<Measurement> &out) {
+  const auto [handTolerance, handError] = loosest(problem.name + " (hand-written)", problem.handWritten);
+  const double hand = cpuPerCall([&, tolerance = handTolerance] { (void)problem.handWritten(tolerance); });
+  out.push_back({.name = problem.name + ", hand-written program",
+                 .unit = "µs",
+                 .value = 1e6 * hand,
+                 .note = fmt::format("error {:.1e} at tolerance {:.0e}", handError, handTolerance)});
+  Run run(compileModel(setup, problem.file), problem);
+  const auto [tolerance, error] = loosest(problem.name, [&](double t) {
+    run.simulate(t);
+    return run.error();
+  });
+  const double ours = cpuPerCall([&, t = tolerance] { run.simulate(t); });
+  out.push_back({.name = problem.name + ", libtf",
+                 .unit = "µs",
+                 .value = 1e6 * ours,
+                 .bar = problem.bar,
+                 .note = fmt::format("error {:.1e} at tolerance {:.0e}", error, tolerance)});
+  out.push_back({.name = problem.name + ", libtf to hand-written", .unit = "ratio", .value = ours / hand});
+}
+
+double bodyError(const hand_written::PlanarBody &body, double tolerance, double x, double y, double phi) {
+  const auto state = hand_written::simulate(body, tolerance).state;
+  return std::max({std::abs(state[0] - x), std::abs(state[1] - y), std::abs(state[2] - phi)});
+}
+
+}  // namespace
+
+std::vector<Measurement> hotSimulation(const Setup &setup) {
+  const std::string examples = TF_SOURCE_DIR "/examples/";
+  const double none = std::numeric_limits<double>::quiet_NaN(), pi = std::acos(-1.0);
+  // Final states: closed form of the slip-stick problem, reference trajectories of the bodies.
+  const Problem slipStick{.name = "slip-stick mu = 0.3, 2 s",
+                          .file = examples + "particle.tf",
+                          .settings = {{"mu", 0.3}, {"g", 10}, {"u[1]", 2}, {"der(q[1])", 1}},
+                          .end = 2,
+                          .expected = {{"q[1]", 0.8}, {"q[2]", 0}, {"der(q[1])", 0}, {"der(q[2])", 0}},
+                          .bar = 20,
+                          .handWritten = [](double tolerance) {
+                            const auto result = hand_written::simulate(hand_written::SlipStick{}, tolerance);
+                            return std::max(std::abs(result.x - 0.8), std::abs(result.vx));
+                          }};
+  const auto rod = hand_written::fallingRod();
+  const Problem fallingRod{.name = "falling rod, 1.5 s",
+                           .file = examples + "falling_rod.tf",
+                           .settings = {},
+                           .end = 1.5,
+                           .expected = {{"r[1]", 0.99319628269525095}, {"r[2]", 0}, {"phi", 0}},
+                           .bar = none,
+                           .handWritten = [&](double tolerance) { return bodyError(rod, tolerance, 0.99319628269525095, 0, 0); }};
+  const auto box = hand_written::fallingBox();
+  const Problem fallingBox{.name = "falling box, 2 s",
+                           .file = examples + "falling_box.tf",
+                           .settings = {},
+                           .end = 2,
+                           .expected = {{"r[1]", 2.3935779816513785}, {"r[2]", 0.5}, {"phi", pi / 2}},
+                           .bar = 100,
+                           .handWritten = [&](double tolerance) { return bodyError(box, tolerance, 2.3935779816513785, 0.5, pi / 2); }};
+  std::vector<Measurement> out;
+  for (const Problem *problem : {&slipStick, &fallingRod, &fallingBox}) {
+    measureProblem(setup, *problem, out);
+  }
+  return out;
+}
+
+}  // namespace tf::bench

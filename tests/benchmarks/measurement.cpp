@@ -1,0 +1,115 @@
+#include "tests/benchmarks/measurement.h"
+
+#include <algorithm>
+#include <ctime>
+#include <fcntl.h>
+#include <filesystem>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace tf::bench {
+
+namespace {
+
+double seconds(clockid_t clock) {
+  timespec now{};
+  clock_gettime(clock, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+[[noreturn]] void becomeProgram(std::vector<char *> &arguments, const std::string &cache) {
+  setenv("XDG_CACHE_HOME", cache.c_str(), 1);
+  const int nowhere = open("/dev/null", O_RDWR);
+  dup2(nowhere, STDIN_FILENO);
+  dup2(nowhere, STDOUT_FILENO);
+  dup2(nowhere, STDERR_FILENO);
+  execv(arguments[0], arguments.data());
+  _exit(127);
+}
+
+}  // namespace
+
+double wallSeconds() { return seconds(CLOCK_MONOTONIC); }
+double cpuSeconds() { return seconds(CLOCK_PROCESS_CPUTIME_ID); }
+
+double cpuPerCall(const std::function<void()> &call) {
+  call();
+  double start = cpuSeconds();
+  call();
+  const double first = std::max(cpuSeconds() - start, 1e-8);
+  const int count = std::clamp(static_cast<int>(0.02 / first), 1, 100000);
+  double best = std::numeric_limits<double>::infinity();
+  for (int batch = 0; batch < 7; ++batch) {
+    start = cpuSeconds();
+    for (int i = 0; i < count; ++i) {
+      call();
+    }
+    best = std::min(best, (cpuSeconds() - start) / count);
+  }
+  return best;
+}
+
+double runProgram(const std::vector<std::string> &arguments, const std::string &cache) {
+  std::vector<std::string> copies = arguments;
+  std::vector<char *> pointers;
+  for (std::string &argument : copies) {
+    pointers.push_back(argument.data());
+  }
+  pointers.push_back(nullptr);
+  const double start = wallSeconds();
+  const pid_t child = fork();
+  if (child < 0) {
+    throw std::runtime_error("cannot start a process");
+  }
+  if (child == 0) {
+    becomeProgram(pointers, cache);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  const double elapsed = wallSeconds() - start;
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    throw std::runtime_error(fmt::format("'{}' failed", fmt::join(arguments, " ")));
+  }
+  return elapsed;
+}
+
+std::string compileModel(const Setup &setup, const std::string &file) {
+  const std::string library = setup.work + "/" + std::filesystem::path(file).stem().string() + ".so";
+  runProgram({setup.tfc, "compile", file, "-o", library}, setup.work + "/cache");
+  return library;
+}
+
+std::string table(const std::vector<Measurement> &measurements) {
+  std::string out = fmt::format("{:<58} {:>12} {:<10} {:>10}\n", "figure", "measured", "unit", "bar");
+  for (const Measurement &m : measurements) {
+    const std::string bar = m.hasBar() ? fmt::format("{}{:.4g}", m.atLeast ? "≥ " : "≤ ", m.bar) : "";
+    out += fmt::format("{:<58} {:>12.4g} {:<10} {:>10} {}{}\n", m.name, m.value, m.unit, bar,
+                       !m.hasBar()  ? ""
+                       : m.passes() ? "ok "
+                                    : "MISSED ",
+                       m.note);
+  }
+  return out;
+}
+
+std::string json(const std::vector<Measurement> &measurements) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Measurement &m : measurements) {
+    nlohmann::json entry = {{"name", m.name}, {"unit", m.unit}, {"value", m.value}};
+    if (m.hasBar()) {
+      entry["bar"] = m.bar;
+      entry["passes"] = m.passes();
+    }
+    if (!m.note.empty()) {
+      entry["note"] = m.note;
+    }
+    list.push_back(std::move(entry));
+  }
+  return list.dump(1) + "\n";
+}
+
+}  // namespace tf::bench
