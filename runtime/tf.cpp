@@ -1,0 +1,516 @@
+// The C interface over class Simulation: arguments and phases are checked here, and no exception leaves.
+#include "runtime/tf.h"
+
+#include "runtime/model/input_signals.h"
+#include "runtime/model/loaded_model.h"
+#include "runtime/model/model_instance.h"
+#include "runtime/simulate/simulation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <new>
+#include <optional>
+#include <string>
+#include <vector>
+
+using tf::runtime::InputFunction;
+using tf::runtime::InputSignals;
+using tf::runtime::Interpolation;
+using tf::runtime::LoadedModel;
+using tf::runtime::ModelInstance;
+using tf::runtime::Outcome;
+using tf::runtime::Simulation;
+using tf::runtime::SimulationOptions;
+
+namespace {
+
+constexpr double notAValue = std::numeric_limits<double>::quiet_NaN();
+
+enum class Phase : std::uint8_t {
+  Setup,    // before tf_initialise: parameters, starts, options
+  Ready,    // there is a current point
+  Running,  // inside tf_initialise or tf_step, seen by callbacks
+  Failed    // tf_initialise failed: there is no current point
+};
+
+// What belongs to one model.
+struct Content {
+  explicit Content(const tf_model &model) : instance(model), inputs(model.nu) {
+    if (std::isfinite(model.tolerance) && model.tolerance > 0)
+      options.tolerance = model.tolerance;
+  }
+
+  ModelInstance instance;
+  InputSignals inputs;
+  SimulationOptions options;
+  std::unique_ptr<Simulation> simulation;  // of the latest tf_initialise
+  tf_event_callback eventCallback = nullptr;
+  void *eventData = nullptr;
+  Phase phase = Phase::Setup;
+  std::vector<double> values;  // all variables at the current point
+  bool valuesAreCurrent = false;
+};
+
+// What tf_save_state puts in front of the simulation's own state.
+struct StateHeader {
+  std::uint64_t mark;
+  std::uint64_t size;         // of everything
+  std::uint64_t fingerprint;  // of model and parameters
+};
+
+constexpr std::uint64_t stateMark = 0x3153544154534654u;  // "TFSTATS1"
+
+// FNV-1a.
+std::uint64_t hashBytes(std::uint64_t hash, const void *data, std::size_t size) {
+  const auto *bytes = static_cast<const unsigned char *>(data);
+  for (std::size_t i = 0; i < size; ++i)
+    hash = (hash ^ bytes[i]) * 0x100000001b3u;
+  return hash;
+}
+
+}  // namespace
+
+struct tf_simulation {
+  std::optional<LoadedModel> library;  // outlives the content
+  std::unique_ptr<Content> content;    // null after a failed load
+  mutable std::string error;
+  mutable const char *lastResort = nullptr;  // where there is no memory for a text
+};
+
+namespace {
+
+tf_status fail(const tf_simulation *simulation, tf_status status, std::string text) {
+  simulation->error = std::move(text);
+  return status;
+}
+
+tf_status bad(const tf_simulation *simulation, std::string text) { return fail(simulation, TF_BAD_ARGUMENT, std::move(text)); }
+
+tf_status report(const tf_simulation *simulation, const Outcome<void> &outcome) {
+  return outcome ? TF_OK : bad(simulation, outcome.error());
+}
+
+// Runs `body(content)`; exceptions (no memory, a callback that throws) become TF_FAILED.
+template <class Body> tf_status guarded(const tf_simulation *simulation, const Body &body) noexcept {
+  if (simulation == nullptr)
+    return TF_BAD_ARGUMENT;
+  simulation->lastResort = nullptr;
+  simulation->error.clear();
+  try {
+    if (simulation->content == nullptr)
+      return bad(simulation, "no model was loaded");
+    return body(*simulation->content);
+  } catch (const std::bad_alloc &) {
+    simulation->lastResort = "out of memory";
+  } catch (const std::exception &exception) {
+    try {
+      simulation->error = exception.what();
+    } catch (...) {
+      simulation->lastResort = "out of memory";
+    }
+  } catch (...) {
+    simulation->lastResort = "a callback threw an exception";
+  }
+  return TF_FAILED;
+}
+
+tf_status requireSetup(const tf_simulation *simulation, const Content &content, const char *what) {
+  return content.phase == Phase::Setup || content.phase == Phase::Failed
+             ? TF_OK
+             : bad(simulation, fmt::format("{} can only be set before tf_initialise", what));
+}
+
+tf_status requirePoint(const tf_simulation *simulation, const Content &content) {
+  switch (content.phase) {
+  case Phase::Setup:
+    return bad(simulation, "call tf_initialise first");
+  case Phase::Failed:
+    return bad(simulation, "the simulation was not initialised: tf_initialise failed");
+  default:
+    return TF_OK;
+  }
+}
+
+// Not from inside a callback.
+tf_status requireIdle(const tf_simulation *simulation, const Content &content) {
+  return content.phase == Phase::Running ? bad(simulation, "the simulation is running: callbacks can only read values") : TF_OK;
+}
+
+#define TF_RETURN_UNLESS_OK(expression)                                                                                                    \
+  if (const tf_status status_ = (expression); status_ != TF_OK)                                                                            \
+  return status_
+
+// The input called `name`, or an error.
+tf_status findInput(const tf_simulation *simulation, const Content &content, const char *name, ModelInstance::Reference &input) {
+  if (name == nullptr)
+    return bad(simulation, "a name is missing");
+  const auto found = content.instance.find(name);
+  if (!found)
+    return bad(simulation, content.instance.unknownName(name, TF_KIND_INPUT));
+  if (content.instance.model().variables[found->variable].kind != TF_KIND_INPUT)
+    return bad(simulation, fmt::format("'{}' is not an input", name));
+  input = *found;
+  return TF_OK;
+}
+
+const std::vector<double> &currentValues(Content &content) {
+  if (!content.valuesAreCurrent) {
+    content.values.resize(static_cast<std::size_t>(content.instance.model().variable_count));
+    content.simulation->values(content.values.data());
+    content.valuesAreCurrent = content.phase == Phase::Ready;
+  }
+  return content.values;
+}
+
+// Runs initialise or advanceTo with the phase that callbacks see; the phase after an exception is `onThrow`.
+template <class Body> tf_status run(const tf_simulation *simulation, Content &content, Phase onThrow, const Body &body) {
+  struct Restore {
+    Content &content;
+    Phase phase;
+    ~Restore() {
+      content.phase = phase;
+      content.valuesAreCurrent = false;
+    }
+  } restore{content, onThrow};
+  content.phase = Phase::Running;
+  content.valuesAreCurrent = false;
+  const tf_status status = body(*content.simulation);
+  restore.phase = status == TF_OK || status == TF_TERMINATED ? Phase::Ready : onThrow;
+  if (status != TF_OK)
+    simulation->error = content.simulation->errorText();
+  return status;
+}
+
+std::uint64_t fingerprint(const Content &content) {
+  const tf_model &model = content.instance.model();
+  const std::uint64_t hash = hashBytes(0xcbf29ce484222325u, model.hash, std::strlen(model.hash));
+  const auto parameters = content.instance.parameters();
+  return hashBytes(hash, parameters.data(), parameters.size_bytes());
+}
+
+std::size_t savedSize(const Content &content) { return sizeof(StateHeader) + content.simulation->stateSize(); }
+
+tf_status createContent(tf_simulation *simulation, const tf_model &model) {
+  simulation->content = std::make_unique<Content>(model);
+  return TF_OK;
+}
+
+// `load` fills the new simulation; it exists also if that fails.
+template <class Load> tf_status create(tf_simulation **simulation, const Load &load) noexcept {
+  if (simulation == nullptr)
+    return TF_BAD_ARGUMENT;
+  *simulation = new (std::nothrow) tf_simulation;
+  if (*simulation == nullptr)
+    return TF_FAILED;
+  try {
+    return load(*simulation);
+  } catch (...) {
+    (*simulation)->lastResort = "out of memory";
+    return TF_FAILED;
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+tf_status tf_load(const char *path, tf_simulation **simulation) {
+  return create(simulation, [path](tf_simulation *created) {
+    if (path == nullptr)
+      return bad(created, "the path of the model is missing");
+    auto loaded = LoadedModel::open(path);
+    if (!loaded)
+      return bad(created, loaded.error());
+    created->library.emplace(std::move(loaded.value()));
+    return createContent(created, created->library->model());
+  });
+}
+
+tf_status tf_create(const tf_model *model, tf_simulation **simulation) {
+  return create(simulation, [model](tf_simulation *created) {
+    if (model == nullptr)
+      return bad(created, "the model is missing");
+    const auto checked = tf::runtime::checkModel(*model);
+    return checked ? createContent(created, *model) : bad(created, checked.error());
+  });
+}
+
+void tf_free(tf_simulation *simulation) {
+  if (simulation == nullptr)
+    return;
+  simulation->content.reset();  // before the library that holds the model's code
+  delete simulation;
+}
+
+const char *tf_error_text(const tf_simulation *simulation) {
+  if (simulation == nullptr)
+    return "there is no simulation (a null pointer was given)";
+  return simulation->lastResort != nullptr ? simulation->lastResort : simulation->error.c_str();
+}
+
+const tf_model *tf_get_model(const tf_simulation *simulation) {
+  return simulation == nullptr || simulation->content == nullptr ? nullptr : &simulation->content->instance.model();
+}
+
+int32_t tf_find(const tf_simulation *simulation, const char *name) {
+  std::int32_t found = -1;
+  guarded(simulation, [&](const Content &content) {
+    if (name == nullptr)
+      return bad(simulation, "a name is missing");
+    const auto reference = content.instance.find(name);
+    if (!reference)
+      return bad(simulation, content.instance.unknownName(name));
+    found = reference->variable;
+    return TF_OK;
+  });
+  return found;
+}
+
+tf_status tf_set(tf_simulation *simulation, const char *name, double value) {
+  return guarded(simulation, [&](Content &content) {
+    if (name == nullptr)
+      return bad(simulation, "a name is missing");
+    const auto reference = content.instance.find(name);
+    if (!reference)
+      return bad(simulation, content.instance.unknownName(name));
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    const tf_variable &variable = content.instance.model().variables[reference->variable];
+    const bool input = variable.kind == TF_KIND_INPUT;
+    if (!input)
+      TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "parameters and starts"));
+    TF_RETURN_UNLESS_OK(report(simulation, content.instance.set(name, value)));
+    if (input) {
+      content.inputs.setConstant(variable.index, reference->sign * value);
+      content.valuesAreCurrent = false;
+    }
+    return TF_OK;
+  });
+}
+
+tf_status tf_set_input_table(tf_simulation *simulation, const char *name, const double *times, const double *values, size_t count,
+                             int linear) {
+  return guarded(simulation, [&](Content &content) {
+    ModelInstance::Reference input;
+    TF_RETURN_UNLESS_OK(findInput(simulation, content, name, input));
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    if (count == 0 || times == nullptr || values == nullptr)
+      return bad(simulation, fmt::format("the table of '{}' has no points", name));
+    std::vector<double> own(values, values + count);
+    for (double &value : own)
+      value *= input.sign;
+    const tf_variable &variable = content.instance.model().variables[input.variable];
+    if (linear != 0 && (variable.flags & (TF_BOOLEAN | TF_INTEGER)) != 0)
+      return bad(simulation, fmt::format("'{}' is Boolean or Integer and cannot be interpolated linearly", name));
+    for (const double value : own)
+      TF_RETURN_UNLESS_OK(report(simulation, content.instance.checkValue(input.variable, value, variable.name)));
+    const auto set =
+        content.inputs.setTable(variable.index, {times, count}, own, linear != 0 ? Interpolation::Linear : Interpolation::ZeroOrderHold);
+    content.valuesAreCurrent = false;
+    return set ? TF_OK : bad(simulation, fmt::format("the table of '{}': {}", name, set.error()));
+  });
+}
+
+tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_input_value value, tf_input_breakpoint next_breakpoint,
+                                void *data) {
+  return guarded(simulation, [&](Content &content) {
+    ModelInstance::Reference input;
+    TF_RETURN_UNLESS_OK(findInput(simulation, content, name, input));
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    if (value == nullptr)
+      return bad(simulation, fmt::format("the callback for '{}' is missing", name));
+    InputFunction function;
+    function.value = [value, data, sign = input.sign](double time, double segment) { return sign * value(data, time, segment); };
+    if (next_breakpoint != nullptr)
+      function.nextBreakpoint = [next_breakpoint, data](double time) { return next_breakpoint(data, time); };
+    content.inputs.setFunction(content.instance.model().variables[input.variable].index, std::move(function));
+    content.valuesAreCurrent = false;
+    return TF_OK;
+  });
+}
+
+tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "the tolerance"));
+    if (!(tolerance > 0 && tolerance < 1))
+      return bad(simulation, fmt::format("the tolerance must be between 0 and 1, not {}", tolerance));
+    content.options.tolerance = tolerance;
+    return TF_OK;
+  });
+}
+
+tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "the integrator"));
+    if (integrator < TF_AUTO || integrator > TF_EXPLICIT)
+      return bad(simulation, fmt::format("there is no integrator number {}", static_cast<int>(integrator)));
+    content.options.integrator = integrator;
+    return TF_OK;
+  });
+}
+
+tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixed_step) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "step options"));
+    if (stages < 0 || stages > 4)
+      return bad(simulation, fmt::format("the number of stages must be 1 to 4, or 0 for an automatic choice, not {}", stages));
+    if (!(fixed_step >= 0 && std::isfinite(fixed_step)))
+      return bad(simulation, fmt::format("a fixed step must be positive, or 0 for error control, not {}", fixed_step));
+    content.options.stages = stages;
+    content.options.fixedStep = fixed_step;
+    return TF_OK;
+  });
+}
+
+tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    content.eventCallback = callback;
+    content.eventData = data;
+    return TF_OK;
+  });
+}
+
+tf_status tf_initialise(tf_simulation *simulation, double start_time) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    if (!std::isfinite(start_time))
+      return bad(simulation, fmt::format("the start time must be finite, not {}", start_time));
+    TF_RETURN_UNLESS_OK(report(simulation, content.instance.checkParameters()));
+    content.simulation = std::make_unique<Simulation>(content.instance, content.inputs);
+    content.simulation->options = content.options;
+    content.simulation->onEvent = [&content](const tf_event &event) {
+      if (content.eventCallback != nullptr)
+        content.eventCallback(content.eventData, &event);
+    };
+    return run(simulation, content, Phase::Failed, [&](Simulation &started) { return started.initialise(start_time); });
+  });
+}
+
+tf_status tf_step(tf_simulation *simulation, double time) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    if (!std::isfinite(time) || time < content.simulation->time())
+      return bad(simulation, fmt::format("cannot step to time {}: the simulation is at {}", time, content.simulation->time()));
+    return run(simulation, content, Phase::Ready, [&](Simulation &running) { return running.advanceTo(time); });
+  });
+}
+
+double tf_time(const tf_simulation *simulation) {
+  double time = notAValue;
+  guarded(simulation, [&](const Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    time = content.simulation->time();
+    return TF_OK;
+  });
+  return time;
+}
+
+double tf_get(tf_simulation *simulation, int32_t index) {
+  double value = notAValue;
+  guarded(simulation, [&](Content &content) {
+    const tf_model &model = content.instance.model();
+    if (index < 0 || index >= model.variable_count)
+      return bad(simulation, fmt::format("there is no variable number {}: the model has {}", index, model.variable_count));
+    const tf_variable &variable = model.variables[index];
+    if (variable.kind == TF_KIND_PARAMETER) {  // known before the start
+      value = content.instance.parameters()[static_cast<std::size_t>(variable.index)];
+      return TF_OK;
+    }
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    value = currentValues(content)[static_cast<std::size_t>(index)];
+    return TF_OK;
+  });
+  return value;
+}
+
+tf_status tf_get_all(tf_simulation *simulation, double *values) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    if (values == nullptr)
+      return bad(simulation, "the array for the values is missing");
+    const std::vector<double> &current = currentValues(content);
+    std::copy(current.begin(), current.end(), values);
+    return TF_OK;
+  });
+}
+
+tf_status tf_get_named(tf_simulation *simulation, const char *name, double *value) {
+  if (value != nullptr)
+    *value = notAValue;
+  double sign = 1;
+  std::int32_t index = -1;
+  const tf_status found = guarded(simulation, [&](const Content &content) {
+    if (name == nullptr || value == nullptr)
+      return bad(simulation, name == nullptr ? "a name is missing" : "the place for the value is missing");
+    const auto reference = content.instance.find(name);
+    if (!reference)
+      return bad(simulation, content.instance.unknownName(name));
+    index = reference->variable;
+    sign = reference->sign;
+    return TF_OK;
+  });
+  if (found != TF_OK)
+    return found;
+  *value = sign * tf_get(simulation, index);
+  return *tf_error_text(simulation) == '\0' ? TF_OK : TF_BAD_ARGUMENT;
+}
+
+size_t tf_state_size(const tf_simulation *simulation) {
+  std::size_t size = 0;
+  guarded(simulation, [&](const Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    size = savedSize(content);
+    return TF_OK;
+  });
+  return size;
+}
+
+tf_status tf_save_state(const tf_simulation *simulation, void *buffer, size_t size) {
+  return guarded(simulation, [&](const Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    const StateHeader header{stateMark, savedSize(content), fingerprint(content)};
+    if (buffer == nullptr || size < header.size)
+      return bad(simulation, fmt::format("the state needs {} bytes", header.size));
+    std::memcpy(buffer, &header, sizeof header);
+    // Through memory of the right alignment: the caller's buffer may have any.
+    std::vector<std::max_align_t> aligned((header.size - sizeof header + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t));
+    content.simulation->save(aligned.data());
+    std::memcpy(static_cast<char *>(buffer) + sizeof header, aligned.data(), header.size - sizeof header);
+    return TF_OK;
+  });
+}
+
+tf_status tf_restore_state(tf_simulation *simulation, const void *buffer, size_t size) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    StateHeader header{};
+    if (buffer != nullptr && size >= sizeof header)
+      std::memcpy(&header, buffer, sizeof header);
+    if (header.mark != stateMark || header.size > size)
+      return bad(simulation, "this is not a saved state");
+    if (header.size != savedSize(content) || header.fingerprint != fingerprint(content))
+      return bad(simulation, "the state is of another model or of other parameters");
+    std::vector<std::max_align_t> aligned((header.size - sizeof header + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t));
+    std::memcpy(aligned.data(), static_cast<const char *>(buffer) + sizeof header, header.size - sizeof header);
+    content.simulation->restore(aligned.data());
+    content.valuesAreCurrent = false;
+    return TF_OK;
+  });
+}
+
+const tf_statistics *tf_get_statistics(const tf_simulation *simulation) {
+  static const tf_statistics none{};
+  if (simulation == nullptr || simulation->content == nullptr || simulation->content->simulation == nullptr)
+    return &none;
+  return &simulation->content->simulation->statistics();
+}
+
+}  // extern "C"
