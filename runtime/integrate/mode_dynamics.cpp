@@ -43,7 +43,10 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
   rows_.choose(model, contacts, tangents, problem_);
   std::fill(contactMode_.closed.begin(), contactMode_.closed.end(), std::uint8_t{1});
   for (std::size_t j = 0; j < tangents.size(); ++j)
-    contactMode_.slip[j] = problem_.slipSign[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
+  {
+    contactMode_.slip[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
+    problem_.slipSign[j] = contactMode_.slip[j];
+  }
   rowChange_.assign(rows_.count(), 0.0);
   forceChange_ = cgX_ = cgR_ = cgP_ = cgQ_ = rowChange_;
   correctedRows_.assign(rows_.count(), 0);

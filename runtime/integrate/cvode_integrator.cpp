@@ -1,0 +1,139 @@
+#include "runtime/integrate/cvode_integrator.h"
+
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace tf::runtime {
+
+namespace {
+
+// Local errors of a multistep method add up: a tenth of the tolerance keeps the global error near it (theory.md section 6).
+constexpr double toleranceFactor = 0.1;
+
+int evaluateRate(realtype time, N_Vector state, N_Vector rate, void *data) {
+  auto *dynamics = static_cast<ModeDynamics *>(data);
+  return dynamics->evaluate(time, N_VGetArrayPointer(state), N_VGetArrayPointer(rate)) ? 0 : 1;
+}
+
+int evaluateJacobian(realtype time, N_Vector state, N_Vector rate, SUNMatrix matrix, void *data, N_Vector, N_Vector, N_Vector) {
+  auto *dynamics = static_cast<ModeDynamics *>(data);
+  // The Jacobian is taken at the last evaluation's point.
+  if (!dynamics->evaluate(time, N_VGetArrayPointer(state), N_VGetArrayPointer(rate)))
+    return 1;
+  return dynamics->jacobian(time, N_VGetArrayPointer(state), SUNDenseMatrix_Data(matrix)) ? 0 : 1;
+}
+
+void ignoreMessage(int, const char *, const char *, char *, void *) {}
+
+} // namespace
+
+struct CvodeIntegrator::Solver {
+  SUNContext context = nullptr;
+  N_Vector state = nullptr, tolerance = nullptr, derivative = nullptr;
+  SUNMatrix matrix = nullptr;
+  SUNLinearSolver linear = nullptr;
+  void *memory = nullptr;
+  bool created = false;
+
+  explicit Solver(int n) {
+    if (SUNContext_Create(nullptr, &context) != 0)
+      throw std::bad_alloc();
+    state = N_VNew_Serial(n, context);
+    tolerance = N_VNew_Serial(n, context);
+    derivative = N_VNew_Serial(n, context);
+    matrix = SUNDenseMatrix(n, n, context);
+    linear = SUNLinSol_Dense(state, matrix, context);
+    memory = CVodeCreate(CV_BDF, context);
+    if (state == nullptr || tolerance == nullptr || derivative == nullptr || matrix == nullptr || linear == nullptr || memory == nullptr)
+      throw std::bad_alloc();
+  }
+  Solver(const Solver &) = delete;
+  Solver &operator=(const Solver &) = delete;
+  ~Solver() {
+    CVodeFree(&memory);
+    SUNLinSolFree(linear);
+    SUNMatDestroy(matrix);
+    N_VDestroy(derivative);
+    N_VDestroy(tolerance);
+    N_VDestroy(state);
+    SUNContext_Free(&context);
+  }
+};
+
+CvodeIntegrator::CvodeIntegrator(ModeDynamics &dynamics, IntegratorSettings settings)
+    : SmoothIntegrator(dynamics, std::move(settings)), solver_(std::make_unique<Solver>(n_)) {}
+
+CvodeIntegrator::~CvodeIntegrator() = default;
+
+void CvodeIntegrator::start(double time, const double *state, const double *rate, double firstStep) {
+  beginTime_ = endTime_ = time;
+  std::copy_n(state, n_, end_.begin());
+  std::copy_n(rate, n_, endRate_.begin());
+  std::copy_n(state, n_, N_VGetArrayPointer(solver_->state));
+  Solver &s = *solver_;
+  const double relative = std::max(toleranceFactor * settings_.tolerance, 1e-13);
+  for (int i = 0; i < n_; ++i)
+    N_VGetArrayPointer(s.tolerance)[i] = relative * settings_.scale[i];
+  if (!s.created) {
+    CVodeInit(s.memory, evaluateRate, time, s.state);
+    CVodeSVtolerances(s.memory, relative, s.tolerance);
+    CVodeSetUserData(s.memory, &dynamics_);
+    CVodeSetLinearSolver(s.memory, s.linear, s.matrix);
+    CVodeSetJacFn(s.memory, evaluateJacobian);
+    CVodeSetErrHandlerFn(s.memory, ignoreMessage, nullptr);
+    CVodeSetMaxNumSteps(s.memory, 1000000);
+    s.created = true;
+  } else {
+    CVodeReInit(s.memory, time, s.state);
+    CVodeSVtolerances(s.memory, relative, s.tolerance);
+  }
+  CVodeSetInitStep(s.memory, settings_.fixedStep > 0 ? settings_.fixedStep : 0);
+  next_ = firstStep;
+}
+
+StepStatus CvodeIntegrator::step(double limit) {
+  Solver &s = *solver_;
+  beginTime_ = endTime_;
+  begin_ = end_;
+  beginRate_ = endRate_;
+  CVodeSetStopTime(s.memory, limit);
+  double reached = beginTime_;
+  const int outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
+  if (outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE || outcome == CV_TOO_CLOSE)
+    return StepStatus::TooSmall;
+  if (outcome < 0)
+    return StepStatus::Unsolvable;
+  long steps = 0, failures = 0, jacobians = 0, iterations = 0;
+  CVodeGetNumErrTestFails(s.memory, &failures);
+  CVodeGetNumSteps(s.memory, &steps);
+  CVodeGetNumJacEvals(s.memory, &jacobians);
+  CVodeGetNumNonlinSolvIters(s.memory, &iterations);
+  ++statistics_.steps;
+  CVodeGetCurrentStep(s.memory, &next_);
+  endTime_ = outcome == CV_TSTOP_RETURN ? limit : reached;
+  std::copy_n(N_VGetArrayPointer(s.state), n_, end_.begin());
+  return dynamics_.evaluate(endTime_, end_.data(), endRate_.data()) ? StepStatus::Done : StepStatus::Unsolvable;
+}
+
+bool CvodeIntegrator::shorten(double time) {
+  interpolate(time, end_.data());
+  endTime_ = time;
+  return dynamics_.evaluate(time, end_.data(), endRate_.data());
+}
+
+void CvodeIntegrator::interpolate(double time, double *state) {
+  Solver &s = *solver_;
+  if (CVodeGetDky(s.memory, time, 0, s.derivative) == CV_SUCCESS)
+    std::copy_n(N_VGetArrayPointer(s.derivative), n_, state);
+  else
+    std::copy(end_.begin(), end_.end(), state);
+}
+
+} // namespace tf::runtime

@@ -1,0 +1,27 @@
+// SUNDIALS CVODE: BDF with Newton's method on the mode's reduced system, for stiff stretches and as the fallback (theory.md section 6).
+#pragma once
+
+#include "runtime/integrate/smooth_integrator.h"
+
+#include <memory>
+
+namespace tf::runtime {
+
+class CvodeIntegrator final : public SmoothIntegrator {
+public:
+  CvodeIntegrator(ModeDynamics &dynamics, IntegratorSettings settings);
+  ~CvodeIntegrator() override;
+
+  void start(double time, const double *state, const double *rate, double firstStep) override;
+  StepStatus step(double limit) override;
+  bool shorten(double time) override;
+  void interpolate(double time, double *state) override;
+  [[nodiscard]] double suggestedStep() const override { return next_; }
+
+private:
+  struct Solver;
+  std::unique_ptr<Solver> solver_;
+  double next_ = 0;
+};
+
+} // namespace tf::runtime

@@ -1,0 +1,75 @@
+#include "runtime/integrate/dormand_prince.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+constexpr double nodes[] = {1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1};
+constexpr double weights[5][5] = {
+    {1.0 / 5, 0, 0, 0, 0},
+    {3.0 / 40, 9.0 / 40, 0, 0, 0},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9, 0, 0},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729, 0},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+};
+// Of k1, k3, k4, k5, k6 (k2 has weight 0).
+constexpr double result[] = {35.0 / 384, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84};
+// Of k1, k3, k4, k5, k6, k7.
+constexpr double difference[] = {71.0 / 57600, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
+constexpr double dense[] = {-12715105075.0 / 11282082432.0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
+                            701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0};
+
+} // namespace
+
+DormandPrince::DormandPrince(int size)
+    : ElementMethod(size), stages_(static_cast<std::size_t>(size) * 5), point_(size), begin_(size), beginRate_(size) {}
+
+bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
+                          double /*accuracy*/) {
+  h_ = h;
+  std::copy_n(y0, n_, begin_.begin());
+  std::copy_n(f0, n_, beginRate_.begin());
+  double *k[5];
+  for (int s = 0; s < 5; ++s) {
+    k[s] = stages_.data() + s * n_;
+    for (int i = 0; i < n_; ++i) {
+      double sum = weights[s][0] * f0[i];
+      for (int j = 1; j <= s; ++j)
+        sum += weights[s][j] * k[j - 1][i];
+      point_[i] = y0[i] + h * sum;
+    }
+    if (!dynamics.evaluate(t0 + nodes[s] * h, point_.data(), k[s]))
+      return false;
+  }
+  for (int i = 0; i < n_; ++i)
+    end_[i] = y0[i] + h * (result[0] * f0[i] + result[1] * k[1][i] + result[2] * k[2][i] + result[3] * k[3][i] + result[4] * k[4][i]);
+  if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
+    return false;
+  for (int i = 0; i < n_; ++i)
+    error_[i] = h * (difference[0] * f0[i] + difference[1] * k[1][i] + difference[2] * k[2][i] + difference[3] * k[3][i] +
+                     difference[4] * k[4][i] + difference[5] * endRate_[i]);
+  return true;
+}
+
+void DormandPrince::interpolate(double theta, double *y) const {
+  const double *k3 = stages_.data() + n_, *k4 = k3 + n_, *k5 = k4 + n_, *k6 = k5 + n_;
+  for (int i = 0; i < n_; ++i) {
+    const double change = end_[i] - begin_[i];
+    const double bend = h_ * beginRate_[i] - change;
+    const double last = h_ * (dense[0] * beginRate_[i] + dense[1] * k3[i] + dense[2] * k4[i] + dense[3] * k5[i] + dense[4] * k6[i] +
+                              dense[5] * endRate_[i]);
+    y[i] = begin_[i] + theta * (change + (1 - theta) * (bend + theta * (change - h_ * endRate_[i] - bend + (1 - theta) * last)));
+  }
+}
+
+double DormandPrince::errorNorm(const double *scale, double tolerance) const {
+  double norm = 0;
+  for (int i = 0; i < n_; ++i)
+    norm = std::max(norm, std::abs(error_[i]) / scale[i]);
+  return norm / tolerance;
+}
+
+} // namespace tf::runtime

@@ -1,0 +1,25 @@
+// The explicit pair of Dormand and Prince of order 5(4) with its dense output of order 4 (J. Comput. Appl. Math. 6, 1980; Hairer, Nørsett,
+// Wanner, Solving Ordinary Differential Equations I, II.5–II.6).
+#pragma once
+
+#include "runtime/integrate/element_method.h"
+
+namespace tf::runtime {
+
+class DormandPrince final : public ElementMethod {
+public:
+  explicit DormandPrince(int size);
+
+  void restart() override {}
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) override;
+  void interpolate(double theta, double *y) const override;
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
+  [[nodiscard]] double errorOrder() const override { return 5; }
+
+private:
+  std::vector<double> stages_;  // k2 … k6, n each
+  std::vector<double> point_, begin_, beginRate_;
+  double h_ = 0;
+};
+
+} // namespace tf::runtime

@@ -1,0 +1,127 @@
+#include "runtime/integrate/element_integrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+double smallestStep(double time) { return 16 * epsilon * std::max(std::abs(time), 1e-3); }
+
+} // namespace
+
+ElementIntegrator::ElementIntegrator(ModeDynamics &dynamics, IntegratorSettings settings, std::unique_ptr<ElementMethod> method)
+    : SmoothIntegrator(dynamics, std::move(settings)), method_(std::move(method)), scale_(n_), trial_(n_), trialRate_(n_) {}
+
+void ElementIntegrator::start(double time, const double *state, const double *rate, double firstStep) {
+  beginTime_ = endTime_ = time;
+  std::copy_n(state, n_, end_.begin());
+  std::copy_n(rate, n_, endRate_.begin());
+  next_ = firstStep;
+  first_ = true;
+  moved_ = false;
+  method_->restart();
+}
+
+void ElementIntegrator::updateScale() {
+  for (int i = 0; i < n_; ++i)
+    scale_[i] = std::max(settings_.scale[i], std::abs(begin_[i]));
+}
+
+// Hairer, Nørsett, Wanner I, II.4: a step whose explicit Euler predictor has an error of about a hundredth of the tolerance.
+double ElementIntegrator::initialStep(double limit) {
+  double d0 = 0, d1 = 0, d2 = 0;
+  for (int i = 0; i < n_; ++i) {
+    d0 = std::max(d0, std::abs(begin_[i]) / scale_[i]);
+    d1 = std::max(d1, std::abs(beginRate_[i]) / scale_[i]);
+  }
+  const double span = limit - beginTime_;
+  double h = d0 < 1e-5 || d1 < 1e-5 ? 1e-3 * span : 0.01 * d0 / d1;
+  h = std::min(h, span);
+  for (int i = 0; i < n_; ++i)
+    trial_[i] = begin_[i] + h * beginRate_[i];
+  if (!dynamics_.evaluate(beginTime_ + h, trial_.data(), trialRate_.data()))
+    return std::min(h, 1e-6 * span);
+  for (int i = 0; i < n_; ++i)
+    d2 = std::max(d2, std::abs(trialRate_[i] - beginRate_[i]) / scale_[i] / h);
+  const double largest = std::max(d1, d2);
+  const double h1 = largest <= 1e-15 ? 100 * h : std::pow(0.01 * settings_.tolerance / largest, 1 / method_->errorOrder());
+  return std::clamp(std::min(100 * h, h1), smallestStep(beginTime_), span);
+}
+
+bool ElementIntegrator::solve(double h, double accuracy) {
+  return method_->solve(dynamics_, beginTime_, begin_.data(), beginRate_.data(), h, scale_.data(), accuracy);
+}
+
+void ElementIntegrator::adopt(double time) {
+  endTime_ = time;
+  std::copy_n(method_->end(), n_, end_.begin());
+  std::copy_n(method_->endRate(), n_, endRate_.begin());
+  statistics_.jacobians = method_->jacobians;
+  statistics_.iterations = method_->iterations;
+}
+
+StepStatus ElementIntegrator::step(double limit) {
+  if (moved_)
+    method_->accept();
+  beginTime_ = endTime_;
+  begin_ = end_;
+  beginRate_ = endRate_;
+  updateScale();
+  const double span = limit - beginTime_;
+  const bool fixed = settings_.fixedStep > 0;
+  if (fixed)
+    next_ = settings_.fixedStep;
+  else if (!(next_ > 0))
+    next_ = initialStep(limit);
+  // Implicit equations well below the error that is allowed in a step.
+  const double accuracy = fixed ? 1e-15 : std::max(1e-15, 1e-3 * settings_.tolerance);
+  for (bool rejected = false;; rejected = true) {
+    const bool last = next_ >= span * (1 - 1e-12);
+    // No tiny remainder before the limit.
+    const double h = last ? span : !fixed && next_ > 0.5 * span && next_ < 0.999 * span ? 0.5 * span : next_;
+    if (h <= smallestStep(beginTime_) && !last)
+      return StepStatus::TooSmall;
+    if (!solve(h, accuracy)) {
+      if (fixed && dynamics_.failure() == EvaluationFailure::None)
+        return StepStatus::Unsolvable;
+      if (h <= 1e4 * smallestStep(beginTime_))
+        return StepStatus::Unsolvable;
+      ++statistics_.rejected;
+      next_ = 0.2 * h;
+      continue;
+    }
+    const double error = fixed ? 0 : method_->errorNorm(scale_.data(), settings_.tolerance);
+    if (!(error <= 1) && !fixed) {
+      ++statistics_.rejected;
+      next_ = h * std::clamp(0.9 * std::pow(error, -1 / method_->errorOrder()), 0.1, 0.9);
+      if (!std::isfinite(error))
+        next_ = 0.1 * h;
+      continue;
+    }
+    const double largest = rejected ? 1 : first_ ? 100 : 8;
+    const double growth = error <= 1e-30 ? largest : std::min(largest, std::max(0.2, 0.9 * std::pow(error, -1 / method_->errorOrder())));
+    // A step that the limit cut short says little about the next one.
+    next_ = last ? std::max(next_, h * growth) : h * growth;
+    first_ = false;
+    moved_ = true;
+    ++statistics_.steps;
+    adopt(last ? limit : beginTime_ + h);
+    return StepStatus::Done;
+  }
+}
+
+bool ElementIntegrator::shorten(double time) {
+  if (!solve(time - beginTime_, 1e-15))
+    return false;
+  adopt(time);
+  return true;
+}
+
+void ElementIntegrator::interpolate(double time, double *state) { method_->interpolate((time - beginTime_) / (endTime_ - beginTime_), state); }
+
+} // namespace tf::runtime

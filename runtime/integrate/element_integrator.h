@@ -1,0 +1,35 @@
+// Error-controlled (or fixed-step) integration with a one-step method.
+#pragma once
+
+#include "runtime/integrate/element_method.h"
+#include "runtime/integrate/smooth_integrator.h"
+
+#include <memory>
+
+namespace tf::runtime {
+
+class ElementIntegrator final : public SmoothIntegrator {
+public:
+  ElementIntegrator(ModeDynamics &dynamics, IntegratorSettings settings, std::unique_ptr<ElementMethod> method);
+
+  void start(double time, const double *state, const double *rate, double firstStep) override;
+  StepStatus step(double limit) override;
+  bool shorten(double time) override;
+  void interpolate(double time, double *state) override;
+  [[nodiscard]] double suggestedStep() const override { return next_; }
+
+private:
+  bool solve(double h, double accuracy);
+  void adopt(double time);
+  double initialStep(double limit);
+  void updateScale();
+
+  std::unique_ptr<ElementMethod> method_;
+  std::vector<double> scale_;
+  double next_ = 0;       // suggested length
+  bool first_ = true;
+  bool moved_ = false;    // the end of the last step was accepted and is the next begin
+  std::vector<double> trial_, trialRate_;
+};
+
+} // namespace tf::runtime

@@ -1,0 +1,42 @@
+// One-step methods on a finite element [t0, t0 + h] of one mode.
+#pragma once
+
+#include "runtime/integrate/mode_dynamics.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+// Weights of the error norm: |error_i| ≤ tolerance · scale_i is acceptable. All arrays have ModeDynamics::size() entries.
+class ElementMethod {
+public:
+  explicit ElementMethod(int size) : end_(size), endRate_(size), error_(size), n_(size) {}
+  virtual ~ElementMethod() = default;
+  ElementMethod(const ElementMethod &) = delete;
+  ElementMethod &operator=(const ElementMethod &) = delete;
+
+  // Forgets what it knows of earlier elements (a new mode, a jump).
+  virtual void restart() = 0;
+  // Solves the element from (t0, y0) with dy/dt(t0) = f0. Implicit equations are solved to `accuracy` relative to `scale`. The dynamics' last
+  // evaluation is at the end then. False: it did not converge or the dynamics cannot be evaluated.
+  virtual bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) = 0;
+  // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element.
+  virtual void interpolate(double theta, double *y) const = 0;
+  // The last element becomes the past that starting values are taken from.
+  virtual void accept() {}
+
+  // max_i |error_i| / (tolerance scale_i): at most 1 is acceptable; it grows with h to the power errorOrder().
+  [[nodiscard]] virtual double errorNorm(const double *scale, double tolerance) const = 0;
+  [[nodiscard]] virtual double errorOrder() const = 0;
+
+  [[nodiscard]] double *end() { return end_.data(); }
+  [[nodiscard]] double *endRate() { return endRate_.data(); }
+
+  long long jacobians = 0, iterations = 0;
+
+protected:
+  std::vector<double> end_, endRate_, error_;
+  int n_;
+};
+
+} // namespace tf::runtime

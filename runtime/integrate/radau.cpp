@@ -1,0 +1,279 @@
+#include "runtime/integrate/radau.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// Zeros of P_s − P_{s−1} (Legendre polynomials on [0, 1]), ascending, the last one 1.
+std::vector<double> radauNodes(int stages) {
+  if (stages == 1)
+    return {1};
+  if (stages == 2)
+    return {1.0 / 3, 1};
+  if (stages == 3)
+    return {(4 - std::sqrt(6.0)) / 10, (4 + std::sqrt(6.0)) / 10, 1};
+  // 35 x³ − 45 x² + 15 x − 1 = 0 by Newton from near its roots.
+  std::vector<double> nodes = {0.0886, 0.4095, 0.7877, 1};
+  for (int i = 0; i < 3; ++i) {
+    long double x = nodes[i];
+    for (int k = 0; k < 20; ++k)
+      x -= (((35 * x - 45) * x + 15) * x - 1) / ((105 * x - 90) * x + 15);
+    nodes[i] = static_cast<double>(x);
+  }
+  return nodes;
+}
+
+// Weights w with Σ w_j p(x_j) = functional(p) for all polynomials of degree below the number of nodes; moments[k] = functional(x^k).
+std::vector<double> interpolatoryWeights(const std::vector<double> &x, const std::vector<long double> &moments) {
+  const auto n = static_cast<Eigen::Index>(x.size());
+  Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic> powers(n, n);
+  Eigen::Matrix<long double, Eigen::Dynamic, 1> right(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    for (Eigen::Index j = 0; j < n; ++j)
+      powers(k, j) = std::pow(static_cast<long double>(x[j]), static_cast<long double>(k));
+    right[k] = moments[k];
+  }
+  const Eigen::Matrix<long double, Eigen::Dynamic, 1> weights = powers.fullPivLu().solve(right);
+  std::vector<double> result(x.size());
+  for (Eigen::Index j = 0; j < n; ++j)
+    result[j] = static_cast<double>(weights[j]);
+  return result;
+}
+
+// Weights of the integral from 0 to `end`, less gamma at node 0.
+std::vector<long double> integralMoments(int count, long double end, long double gamma = 0) {
+  std::vector<long double> moments(count);
+  for (int k = 0; k < count; ++k)
+    moments[k] = std::pow(end, static_cast<long double>(k + 1)) / (k + 1) - (k == 0 ? gamma : 0);
+  return moments;
+}
+
+} // namespace
+
+Radau::Radau(int size, int stages)
+    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), stage_(static_cast<std::size_t>(size) * stages), rate_(stage_.size()),
+      begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), jacobian_(size, size),
+      newtonMatrix_(size * stages, size * stages), residual_(size * stages), factor_(size * stages), errorFactor_(size) {
+  assert(stages >= 1 && stages <= 4);
+  for (int i = 0; i < stages; ++i) {
+    const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, nodes_[i]));
+    coefficients_.insert(coefficients_.end(), row.begin(), row.end());
+  }
+  // Error estimate h [γ f0 + Σ (b̂_i − b_i) F_i] of order h^(s+1) (Hairer, Wanner II, (IV.8.17)).
+  const double gamma = 1.0 / (stages * stages);
+  const std::vector<double> weights = interpolatoryWeights(nodes_, integralMoments(stages, 1, gamma));
+  embedded_.push_back(gamma);
+  for (int i = 0; i < stages; ++i)
+    embedded_.push_back(weights[i] - coefficients_[(stages - 1) * stages + i]);
+  // The estimate has order s + 1, the local error 2s; relative to the scale of the solution the latter is the former to the power
+  // 2s/(s+1). Halfway between that and no correction is taken, on the safe side.
+  errorPower_ = 0.5 * (1 + 2.0 * stages / (stages + 1));
+  std::vector<double> all = {0};
+  all.insert(all.end(), nodes_.begin(), nodes_.end());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    double weight = 1;
+    for (std::size_t j = 0; j < all.size(); ++j)
+      if (j != i)
+        weight /= all[i] - all[j];
+    barycentric_.push_back(weight);
+  }
+}
+
+void Radau::restart() {
+  hasPast_ = false;
+  stiff_ = false;
+}
+
+void Radau::accept() {
+  pastBegin_ = begin_;
+  pastStage_ = stage_;
+  pastH_ = h_;
+  hasPast_ = true;
+}
+
+// The past element's polynomial continued, or the tangent.
+void Radau::predict(double h, const double *f0) {
+  if (!hasPast_) {
+    for (int s = 0; s < stages_; ++s)
+      for (int i = 0; i < n_; ++i)
+        stage_[s * n_ + i] = nodes_[s] * h * f0[i];
+    return;
+  }
+  const double *last = pastStage_.data() + (stages_ - 1) * n_;
+  for (int s = 0; s < stages_; ++s) {
+    const double theta = 1 + nodes_[s] * h / pastH_;
+    double product = theta;
+    for (double c : nodes_)
+      product *= theta - c;
+    double *target = stage_.data() + s * n_;
+    for (int i = 0; i < n_; ++i)
+      target[i] = -last[i];
+    for (int k = 0; k < stages_; ++k) {
+      const double weight = product * barycentric_[k + 1] / (theta - nodes_[k]);
+      for (int i = 0; i < n_; ++i)
+        target[i] += weight * pastStage_[k * n_ + i];
+    }
+  }
+}
+
+bool Radau::evaluateStages(ModeDynamics &dynamics, double t0, double h) {
+  for (int s = 0; s < stages_; ++s) {
+    for (int i = 0; i < n_; ++i)
+      point_[i] = begin_[i] + stage_[s * n_ + i];
+    if (!dynamics.evaluate(t0 + nodes_[s] * h, point_.data(), rate_.data() + s * n_))
+      return false;
+  }
+  return true;
+}
+
+// Z ← h A F; returns the change relative to the scale.
+double Radau::update(double h, const double *scale) {
+  double change = 0;
+  for (int s = 0; s < stages_; ++s)
+    for (int i = 0; i < n_; ++i) {
+      double sum = 0;
+      for (int k = 0; k < stages_; ++k)
+        sum += coefficients_[s * stages_ + k] * rate_[k * n_ + i];
+      double &z = stage_[s * n_ + i];
+      change = std::max(change, std::abs(h * sum - z) / scale[i]);
+      z = h * sum;
+    }
+  return change;
+}
+
+Radau::Iteration Radau::fixedPoint(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy) {
+  double previous = 0;
+  for (int k = 0; k < 20; ++k) {
+    ++iterations;
+    if (!evaluateStages(dynamics, t0, h))
+      return Iteration::Failed;
+    const double change = update(h, scale);
+    if (!std::isfinite(change))
+      return Iteration::Failed;
+    const double contraction = previous > 0 ? change / previous : 0.1;
+    if (change * std::min(contraction, 1.0) <= accuracy || change <= 1e-16)
+      return Iteration::Converged;
+    if (k >= 2 && contraction > 0.4)
+      return change <= 1e3 * accuracy && change <= 1e-14 ? Iteration::Converged : Iteration::Slow;
+    previous = change;
+  }
+  return Iteration::Slow;
+}
+
+bool Radau::factorise(ModeDynamics &dynamics, double t0, double h) {
+  // The Jacobian at the element's begin; the last row (tau, a quadrature) is zero.
+  if (!dynamics.evaluate(t0, begin_.data(), point_.data()) || !dynamics.jacobian(t0, begin_.data(), jacobian_.data()))
+    return false;
+  ++jacobians;
+  for (int a = 0; a < stages_; ++a)
+    for (int b = 0; b < stages_; ++b)
+      newtonMatrix_.block(a * n_, b * n_, n_, n_) =
+          (a == b ? 1.0 : 0.0) * Eigen::MatrixXd::Identity(n_, n_) - h * coefficients_[a * stages_ + b] * jacobian_;
+  factor_.compute(newtonMatrix_);
+  errorFactor_.compute(Eigen::MatrixXd::Identity(n_, n_) - h * embedded_[0] * jacobian_);
+  return true;
+}
+
+Radau::Iteration Radau::newton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy) {
+  if (!factorise(dynamics, t0, h))
+    return Iteration::Failed;
+  double previous = 0;
+  for (int k = 0; k < 15; ++k) {
+    ++iterations;
+    if (!evaluateStages(dynamics, t0, h))
+      return Iteration::Failed;
+    for (int s = 0; s < stages_; ++s)
+      for (int i = 0; i < n_; ++i) {
+        double sum = 0;
+        for (int j = 0; j < stages_; ++j)
+          sum += coefficients_[s * stages_ + j] * rate_[j * n_ + i];
+        residual_[s * n_ + i] = h * sum - stage_[s * n_ + i];
+      }
+    residual_ = factor_.solve(residual_).eval();
+    double change = 0;
+    for (int s = 0; s < stages_; ++s)
+      for (int i = 0; i < n_; ++i) {
+        stage_[s * n_ + i] += residual_[s * n_ + i];
+        change = std::max(change, std::abs(residual_[s * n_ + i]) / scale[i]);
+      }
+    if (!std::isfinite(change))
+      return Iteration::Failed;
+    const double contraction = previous > 0 ? change / previous : 1e-3;
+    if (change * std::min(contraction, 1.0) <= accuracy || change <= 1e-15)
+      return Iteration::Converged;
+    if (k >= 2 && contraction > 0.9)
+      return change <= 1e3 * accuracy && change <= 1e-13 ? Iteration::Converged : Iteration::Slow;
+    previous = change;
+  }
+  return Iteration::Slow;
+}
+
+bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) {
+  h_ = h;
+  std::copy_n(y0, n_, begin_.begin());
+  predict(h, f0);
+  Iteration outcome = Iteration::Slow;
+  if (!stiff_)
+    outcome = fixedPoint(dynamics, t0, h, scale, accuracy);
+  if (outcome != Iteration::Converged) {
+    for (int s = 0; s < stages_; ++s)
+      for (int i = 0; i < n_; ++i)
+        stage_[s * n_ + i] = nodes_[s] * h * f0[i];
+    outcome = newton(dynamics, t0, h, scale, accuracy);
+    if (outcome != Iteration::Converged)
+      return false;
+    stiff_ = true;
+  }
+  for (int i = 0; i < n_; ++i)
+    end_[i] = begin_[i] + stage_[(stages_ - 1) * n_ + i];
+  if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
+    return false;
+  std::copy_n(endRate_.begin(), n_, rate_.begin() + (stages_ - 1) * n_);
+  estimateError(f0, h);
+  return true;
+}
+
+void Radau::estimateError(const double *f0, double h) {
+  for (int i = 0; i < n_; ++i) {
+    double sum = embedded_[0] * f0[i];
+    for (int k = 0; k < stages_; ++k)
+      sum += embedded_[k + 1] * rate_[k * n_ + i];
+    error_[i] = h * sum;
+  }
+  // Damps the stiff components, whose errors the explicit f0 exaggerates.
+  if (stiff_) {
+    Eigen::Map<Eigen::VectorXd> error(error_.data(), n_);
+    error = errorFactor_.solve(error).eval();
+  }
+}
+
+void Radau::interpolate(double theta, double *y) const {
+  double product = theta;
+  for (int k = 0; k < stages_; ++k) {
+    if (theta == nodes_[k]) {
+      for (int i = 0; i < n_; ++i)
+        y[i] = begin_[i] + stage_[k * n_ + i];
+      return;
+    }
+    product *= theta - nodes_[k];
+  }
+  std::copy(begin_.begin(), begin_.end(), y);
+  for (int k = 0; k < stages_; ++k) {
+    const double weight = product * barycentric_[k + 1] / (theta - nodes_[k]);
+    for (int i = 0; i < n_; ++i)
+      y[i] += weight * stage_[k * n_ + i];
+  }
+}
+
+double Radau::errorNorm(const double *scale, double tolerance) const {
+  double norm = 0;
+  for (int i = 0; i < n_; ++i)
+    norm = std::max(norm, std::abs(error_[i]) / scale[i]);
+  return std::pow(norm, errorPower_) / tolerance;
+}
+
+} // namespace tf::runtime

@@ -1,0 +1,53 @@
+// Radau IIA collocation with 1 to 4 stages, order 2s − 1 (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5, IV.8). The
+// stage equations are solved by fixed-point iteration while it contracts fast, else by simplified Newton with the compiler's Jacobian.
+#pragma once
+
+#include "runtime/integrate/element_method.h"
+
+#include <Eigen/Dense>
+
+namespace tf::runtime {
+
+class Radau final : public ElementMethod {
+public:
+  // 1 ≤ stages ≤ 4
+  Radau(int size, int stages);
+
+  void restart() override;
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) override;
+  void interpolate(double theta, double *y) const override;
+  void accept() override;
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
+  [[nodiscard]] double errorOrder() const override { return (stages_ + 1) * errorPower_; }
+
+private:
+  enum class Iteration : std::uint8_t { Converged, Slow, Failed };
+
+  void predict(double h, const double *f0);
+  bool evaluateStages(ModeDynamics &dynamics, double t0, double h);
+  double update(double h, const double *scale);
+  Iteration fixedPoint(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
+  Iteration newton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
+  bool factorise(ModeDynamics &dynamics, double t0, double h);
+  void estimateError(const double *f0, double h);
+
+  int stages_;
+  double errorPower_ = 1;
+  std::vector<double> nodes_;         // c_1 … c_s = 1
+  std::vector<double> coefficients_;  // a_ij, row-major
+  std::vector<double> embedded_;      // weights of f0, F_1 … F_s of the error estimate
+  std::vector<double> barycentric_;   // of the nodes 0, c_1 … c_s
+  std::vector<double> stage_;         // Z_i = Y_i − y0
+  std::vector<double> rate_;          // F_i
+  std::vector<double> begin_, point_;
+  double h_ = 0;
+  bool hasPast_ = false;
+  std::vector<double> pastBegin_, pastStage_;
+  double pastH_ = 0;
+  Eigen::MatrixXd jacobian_, newtonMatrix_;
+  Eigen::VectorXd residual_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_, errorFactor_;
+  bool stiff_ = false;
+};
+
+} // namespace tf::runtime

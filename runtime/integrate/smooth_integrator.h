@@ -1,0 +1,64 @@
+// Integration of one mode, step by step; the caller looks for events inside each step and may shorten it.
+#pragma once
+
+#include "runtime/integrate/mode_dynamics.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+struct IntegratorSettings {
+  double tolerance = 1e-6;
+  double fixedStep = 0;       // > 0: steps of this length without error control
+  std::vector<double> scale;  // [n] nominal magnitudes: |error_i| ≤ tolerance · max(scale_i, |y_i|)
+};
+
+enum class StepStatus : std::uint8_t {
+  Done,
+  TooSmall,   // the step length fell to rounding: the tolerance cannot be met
+  Unsolvable  // the dynamics cannot be evaluated (ModeDynamics::failure)
+};
+
+struct IntegratorStatistics {
+  long long steps = 0, rejected = 0, jacobians = 0, iterations = 0;
+};
+
+class SmoothIntegrator {
+public:
+  SmoothIntegrator(ModeDynamics &dynamics, IntegratorSettings settings)
+      : dynamics_(dynamics), settings_(std::move(settings)), n_(dynamics.size()), begin_(n_), beginRate_(n_), end_(n_), endRate_(n_) {}
+  virtual ~SmoothIntegrator() = default;
+  SmoothIntegrator(const SmoothIntegrator &) = delete;
+  SmoothIntegrator &operator=(const SmoothIntegrator &) = delete;
+
+  // Begins at (time, state) in the dynamics' mode; `rate` is dy/dt there. A suggested first step ≤ 0 means: find one.
+  virtual void start(double time, const double *state, const double *rate, double firstStep) = 0;
+  // One step from where the last one ended, not beyond `limit`.
+  virtual StepStatus step(double limit) = 0;
+  // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy.
+  virtual bool shorten(double time) = 0;
+  // State inside the last step.
+  virtual void interpolate(double time, double *state) = 0;
+  // Length that the error control would take next.
+  [[nodiscard]] virtual double suggestedStep() const = 0;
+
+  [[nodiscard]] double beginTime() const { return beginTime_; }
+  [[nodiscard]] double endTime() const { return endTime_; }
+  [[nodiscard]] const double *begin() const { return begin_.data(); }
+  [[nodiscard]] const double *beginRate() const { return beginRate_.data(); }
+  // The caller may project the end of a step; it then tells the rate there.
+  [[nodiscard]] double *end() { return end_.data(); }
+  [[nodiscard]] double *endRate() { return endRate_.data(); }
+  [[nodiscard]] const IntegratorStatistics &statistics() const { return statistics_; }
+  [[nodiscard]] const IntegratorSettings &settings() const { return settings_; }
+
+protected:
+  ModeDynamics &dynamics_;
+  IntegratorSettings settings_;
+  int n_;
+  double beginTime_ = 0, endTime_ = 0;
+  std::vector<double> begin_, beginRate_, end_, endRate_;
+  IntegratorStatistics statistics_;
+};
+
+} // namespace tf::runtime
