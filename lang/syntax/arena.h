@@ -4,6 +4,7 @@
 #include "lang/syntax/ast.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cstddef>
 #include <memory>
 #include <new>
@@ -54,8 +55,12 @@ public:
   ListBuilder(const ListBuilder &) = delete;
   ListBuilder &operator=(const ListBuilder &) = delete;
 
-  void push(const T &element) { stack_.push_back(element); }
-  [[nodiscard]] std::size_t size() const { return stack_.size() - base_; }
+  void push(const T &element) {
+    assert(stack_.size() == base_ + count_ && "another list of this type is being built on top");
+    stack_.push_back(element);
+    ++count_;
+  }
+  [[nodiscard]] std::size_t size() const { return count_; }
   [[nodiscard]] bool empty() const { return size() == 0; }
   [[nodiscard]] T &back() { return stack_.back(); }
 
@@ -64,13 +69,14 @@ public:
     if (empty())
       return {};
     T *data = static_cast<T *>(arena.allocate(size() * sizeof(T), alignof(T)));
-    std::uninitialized_copy(stack_.begin() + static_cast<std::ptrdiff_t>(base_), stack_.end(), data);
+    std::uninitialized_copy_n(stack_.begin() + static_cast<std::ptrdiff_t>(base_), count_, data);
     return {data, static_cast<std::uint32_t>(size())};
   }
 
 private:
   std::vector<T> &stack_;
   std::size_t base_;
+  std::size_t count_ = 0;
 };
 
 }  // namespace tf::ast

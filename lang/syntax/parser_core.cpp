@@ -200,14 +200,8 @@ bool Parser::atClassWordAsName() const {
   if (!atAny({TokenKind::Block, TokenKind::Class, TokenKind::Connector, TokenKind::Model, TokenKind::Package, TokenKind::Record,
               TokenKind::Type}))
     return false;
-  switch (peek(1).kind) {
-  case TokenKind::Identifier:
-  case TokenKind::Extends:
-  case TokenKind::EndOfFile:
-    return false;
-  default:
-    return !current().startsLine || peek(1).kind == TokenKind::Dot;
-  }
+  const TokenKind next = peek(1).kind;
+  return next != TokenKind::Identifier && next != TokenKind::Extends && next != TokenKind::EndOfFile;
 }
 
 ast::Name Parser::parseName(std::string_view what) {

@@ -99,6 +99,7 @@ private:
   ast::Expr *parseReferenceOrCall();
   ast::Expr *parseParenthesised();
   ast::Expr *parseMatrix();
+  ast::Expr *parseMatrixRow();
   ast::Expr *parseArray();
   ast::Expr *parsePartialFunction();
   void parseCallArguments(ast::Expr &call);

@@ -308,6 +308,16 @@ ast::Expr *Parser::parseParenthesised() {
   return finish(subscripted);
 }
 
+ast::Expr *Parser::parseMatrixRow() {
+  ast::Expr *row = newExpr(ExprKind::Tuple, here());
+  auto elements = list<ast::Expr *>();
+  do {
+    elements.push(parseBracketed());
+  } while (accept(TokenKind::Comma));
+  row->operands = elements.finish(arena_);
+  return finish(row);
+}
+
 ast::Expr *Parser::parseMatrix() {
   const Token &opening = current();
   ast::Expr *matrix = newExpr(ExprKind::Matrix, opening.begin);
@@ -315,13 +325,7 @@ ast::Expr *Parser::parseMatrix() {
   ++matrices_;
   auto rows = list<ast::Expr *>();
   do {
-    ast::Expr *row = newExpr(ExprKind::Tuple, here());
-    auto elements = list<ast::Expr *>();
-    do {
-      elements.push(parseBracketed());
-    } while (accept(TokenKind::Comma));
-    row->operands = elements.finish(arena_);
-    rows.push(finish(row));
+    rows.push(parseMatrixRow());
   } while (accept(TokenKind::Semicolon));
   expectClosing(TokenKind::RightBracket, opening, "',', ';'");
   --matrices_;
