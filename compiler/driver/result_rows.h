@@ -1,0 +1,57 @@
+// Rows of a run: on the grid of --interval and at events, to the result file and the event log.
+#pragma once
+
+#include "compiler/driver/options.h"
+#include "runtime/model/outcome.h"
+#include "runtime/results/event_log.h"
+#include "runtime/results/result_writer.h"
+#include "runtime/tf.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace tf::driver {
+
+// One event for the summary of --verbose.
+struct EventNote {
+  double time, tau;
+  std::int32_t kind, element;
+};
+
+class ResultRows {
+public:
+  // Creates the files that `options` names.
+  static runtime::Outcome<std::unique_ptr<ResultRows>> create(tf_simulation *simulation, const RunOptions &options);
+
+  // The row of the current point. At an event's time the row after the event counts; a row equal to the one before it is left out.
+  void point();
+  // The event's rows. Called from the simulation.
+  void event(const tf_event &event);
+  // Writes what is pending and closes the files.
+  void finish();
+
+  // Of the first file that could not be written; empty if all is well.
+  [[nodiscard]] const std::string &error() const { return error_; }
+  [[nodiscard]] long long rowCount() const { return rowCount_; }
+  [[nodiscard]] const std::vector<EventNote> &events() const { return events_; }
+
+private:
+  ResultRows(tf_simulation *simulation, const RunOptions &options);
+
+  void write(const std::vector<double> &row);
+  void keep(const runtime::Outcome<void> &outcome);
+
+  tf_simulation *simulation_;
+  EventRows policy_;
+  bool noteEvents_;
+  std::unique_ptr<runtime::ResultWriter> results_;
+  std::unique_ptr<runtime::EventLog> log_;
+  std::vector<double> row_, lastRow_, pending_;  // pending_: after an event (--events after), until time goes on
+  bool isPending_ = false;
+  std::vector<EventNote> events_;
+  long long rowCount_ = 0;
+  std::string error_;
+};
+
+}  // namespace tf::driver

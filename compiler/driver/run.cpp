@@ -1,0 +1,167 @@
+#include "compiler/driver/run.h"
+#include "compiler/driver/diagnostics.h"
+#include "compiler/driver/input_settings.h"
+#include "compiler/driver/summary.h"
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <cstdio>
+
+namespace tf::driver {
+
+namespace {
+
+constexpr double kMostRows = 1e8;
+constexpr int kDefaultIntervals = 500;
+constexpr double kDefaultTolerance = 1e-6;
+
+// Points of time at which the result has rows.
+struct Grid {
+  TimeSpan span;
+  double interval = 0;  // 0: `count` equal ones
+  long long count = 0;  // intervals, the last one perhaps shorter
+
+  [[nodiscard]] double point(long long k) const {
+    if (k >= count)
+      return span.stop;
+    return interval > 0 ? span.start + static_cast<double>(k) * interval
+                        : span.start + (span.stop - span.start) * (static_cast<double>(k) / static_cast<double>(count));
+  }
+};
+
+std::optional<double> given(double value) { return std::isnan(value) ? std::nullopt : std::optional(value); }
+
+Grid gridOf(const RunOptions &options, const tf_model &model, Session &session) {
+  Grid grid;
+  grid.span.start = options.startTime.value_or(given(model.start_time).value_or(0));
+  const double defaultStop = given(model.stop_time).value_or(1);
+  grid.span.stop = options.stopTime.value_or(defaultStop);
+  const double length = grid.span.stop - grid.span.start;
+  if (length < 0)
+    session.diagnostics.report(diag::EmptyTimeSpan, {}, number(grid.span.stop), number(grid.span.start));
+  grid.interval = options.interval.value_or(given(model.interval).value_or(0));
+  if (grid.interval <= 0) {
+    grid.interval = 0;
+    grid.count = length > 0 ? kDefaultIntervals : 0;
+    return grid;
+  }
+  const double intervals = std::ceil(length / grid.interval * (1 - 1e-12) - 1e-9);
+  if (intervals > kMostRows)
+    session.diagnostics.report(diag::TooManyRows, {}, number(grid.interval), number(grid.span.start), number(grid.span.stop), intervals,
+                               kMostRows);
+  else
+    grid.count = static_cast<long long>(std::max(intervals, 0.0));
+  return grid;
+}
+
+void checkSuffix(const std::string &path, std::initializer_list<std::string_view> suffixes, Session &session) {
+  std::string lower = path;
+  std::transform(lower.begin(), lower.end(), lower.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const bool isKnown = std::any_of(suffixes.begin(), suffixes.end(), [&](std::string_view suffix) { return lower.ends_with(suffix); });
+  if (!path.empty() && !isKnown)
+    session.diagnostics.report(diag::UnknownSuffix, {}, path, fmt::format("{}", fmt::join(suffixes, " or ")));
+}
+
+// Sets what the command line says about the integration.
+void configure(tf_simulation *simulation, const RunOptions &options, const tf_model &model) {
+  tf_set_tolerance(simulation, options.tolerance.value_or(given(model.tolerance).value_or(kDefaultTolerance)));
+  tf_set_integrator(simulation,
+                    options.integrator == TF_AUTO && (options.stages > 0 || options.fixedStep > 0) ? TF_STEP : options.integrator);
+  tf_set_step_options(simulation, options.stages, options.fixedStep);
+}
+
+class Run {
+public:
+  Run(PreparedModel &prepared, const RunOptions &options, const Grid &grid, ResultRows &rows, Session &session)
+      : simulation_(prepared.simulation.get()), options_(options), grid_(grid), rows_(rows), session_(session) {
+    report_.simulation = simulation_;
+    report_.startTime = grid.span.start;
+    report_.origin = prepared.origin;
+    report_.isVerbose = options.verbose;
+    tf_set_event_callback(simulation_, [](void *data, const tf_event *event) { static_cast<ResultRows *>(data)->event(*event); }, &rows);
+  }
+
+  // True if the run reached its end or was ended by the model.
+  bool simulate() {
+    report_.times.compile = cpuTime();
+    const tf_status started = tf_initialise(simulation_, grid_.span.start);
+    const double initialised = cpuTime();
+    report_.times.initialise = initialised - report_.times.compile;
+    if (started != TF_OK && started != TF_TERMINATED) {
+      session_.diagnostics.report(diag::InitialisationFailed, {}, tf_error_text(simulation_));
+      return false;
+    }
+    rows_.point();
+    const tf_status status = started == TF_OK ? advance() : started;
+    rows_.finish();
+    report_.isTerminated = status == TF_TERMINATED;
+    report_.times.simulate = cpuTime() - initialised;
+    if (status != TF_OK && status != TF_TERMINATED)
+      session_.diagnostics.report(diag::RunFailed, {}, tf_error_text(simulation_));
+    if (!rows_.error().empty())
+      session_.diagnostics.report(diag::WritingFailed, {}, number(tf_time(simulation_)), rows_.error());
+    return !session_.diagnostics.hasErrors();
+  }
+
+  [[nodiscard]] const SummaryInput &report() const { return report_; }
+
+private:
+  tf_status advance() {
+    Progress progress(!options_.quiet, grid_.span.start, grid_.span.stop);
+    for (long long k = 1; k <= grid_.count && rows_.error().empty(); ++k) {
+      const tf_status status = tf_step(simulation_, grid_.point(k));
+      if (status == TF_BAD_ARGUMENT || status == TF_FAILED) {
+        rows_.point();  // the last good point
+        return status;
+      }
+      rows_.point();
+      progress.at(grid_.point(k));
+      if (status == TF_TERMINATED)
+        return status;
+    }
+    return TF_OK;
+  }
+
+  tf_simulation *simulation_;
+  const RunOptions &options_;
+  const Grid &grid_;
+  ResultRows &rows_;
+  Session &session_;
+  SummaryInput report_;
+};
+
+}  // namespace
+
+int runCommand(const RunOptions &options, Session &session) {
+  const std::vector<Setting> settings = parseSettings(options, session);
+  checkSuffix(options.output, {".csv", ".json"}, session);
+  checkSuffix(options.eventLog, {".csv"}, session);
+  if (session.diagnostics.hasErrors())
+    return session.exitCode();
+  std::optional<PreparedModel> prepared = prepareModel(options, settings, session);
+  if (!prepared)
+    return session.exitCode();
+  const tf_model &model = prepared->model();
+  const Grid grid = gridOf(options, model, session);
+  const InputExpressions expressions = applySettings(*prepared, options, settings, grid.span, session);
+  if (session.diagnostics.hasErrors())
+    return session.exitCode();
+  configure(prepared->simulation.get(), options, model);
+  auto rows = ResultRows::create(prepared->simulation.get(), options);
+  if (!rows) {
+    session.diagnostics.report(diag::CannotWrite, {}, rows.error());
+    return session.exitCode();
+  }
+  Run run(*prepared, options, grid, *rows.value(), session);
+  const bool isDone = run.simulate();
+  if (!options.quiet && tf_get_statistics(prepared->simulation.get()) != nullptr) {
+    const std::string text = summary(run.report(), *rows.value());
+    std::fwrite(text.data(), 1, text.size(), stderr);
+  }
+  if (isDone && options.output.empty())
+    printOut(finalValues(prepared->simulation.get()), session);
+  return session.exitCode();
+}
+
+}  // namespace tf::driver

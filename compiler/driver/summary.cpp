@@ -1,0 +1,102 @@
+#include "compiler/driver/summary.h"
+#include "compiler/driver/session.h"
+
+#include <cstdio>
+#include <ctime>
+#include <unistd.h>
+
+namespace tf::driver {
+
+double cpuTime() {
+  timespec time = {};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
+}
+
+Progress::Progress(bool isWanted, double start, double stop)
+    : isWanted_(isWanted && stop > start && isatty(STDERR_FILENO) != 0), start_(start), stop_(stop),
+      next_(Clock::now() + std::chrono::seconds(1)) {}
+
+Progress::~Progress() {
+  if (isShown_)
+    std::fputs("\r\x1b[K", stderr);
+}
+
+void Progress::at(double time) {
+  if (!isWanted_ || Clock::now() < next_)
+    return;
+  isShown_ = true;
+  next_ = Clock::now() + std::chrono::milliseconds(100);
+  fmt::print(stderr, "\r\x1b[K{:3.0f} %  time = {:.6g}", 100 * (time - start_) / (stop_ - start_), time);
+  std::fflush(stderr);
+}
+
+namespace {
+
+std::string milliseconds(double seconds) { return fmt::format("{:.3g} ms", 1000 * seconds); }
+
+std::string eventCounts(const tf_statistics &statistics) {
+  long long count = 0;
+  std::string kinds;
+  for (int kind = 0; kind < TF_EVENT_COUNT; ++kind) {
+    if (statistics.events[kind] == 0)
+      continue;
+    count += statistics.events[kind];
+    kinds += fmt::format("{}{} {}", kinds.empty() ? "" : ", ", statistics.events[kind],
+                         runtime::eventKindName(static_cast<tf_event_kind>(kind)));
+  }
+  return count == 0 ? "no switches" : fmt::format("{} switch{} ({})", count, count == 1 ? "" : "es", kinds);
+}
+
+std::string eventList(const ResultRows &rows, const tf_model &model) {
+  std::string text;
+  for (const EventNote &event : rows.events()) {
+    const std::string_view element = runtime::eventElementName(model, event.element);
+    text += fmt::format("  time = {}, tau = {}: {}{}{}\n", number(event.time), number(event.tau),
+                        runtime::eventKindName(static_cast<tf_event_kind>(event.kind)), element.empty() ? "" : " of ", element);
+  }
+  return text;
+}
+
+std::string work(const tf_statistics &s) {
+  return fmt::format("  steps: {} step, {} explicit, {} cvode; {} rejected\n"
+                     "  {} evaluations, {} Jacobians, {} Newton iterations, {} contact solves, {} frozen phases with {} breakpoints\n"
+                     "  least gap {}, least normal force {}, largest residual {}\n",
+                     s.step_steps, s.explicit_steps, s.cvode_steps, s.rejected_steps, s.evaluations, s.jacobians, s.newton_iterations,
+                     s.contact_solves, s.frozen_phases, s.breakpoints, number(s.worst_gap), number(s.worst_normal_force),
+                     number(s.worst_residual));
+}
+
+}  // namespace
+
+std::string summary(const SummaryInput &input, const ResultRows &rows) {
+  const tf_model &model = *tf_get_model(input.simulation);
+  const tf_statistics &statistics = *tf_get_statistics(input.simulation);
+  const RunTimes &times = input.times;
+  std::string text =
+      fmt::format("{}: time {} to {}{}, {} steps, {}\n", model.name, number(input.startTime), number(tf_time(input.simulation)),
+                  input.isTerminated ? " (ended by the model)" : "", statistics.steps, eventCounts(statistics));
+  text += fmt::format("CPU time {}: compile {} ({}), initialise {}, simulate {}\n",
+                      milliseconds(times.compile + times.initialise + times.simulate), milliseconds(times.compile), input.origin,
+                      milliseconds(times.initialise), milliseconds(times.simulate));
+  if (input.isVerbose)
+    text += eventList(rows, model) + work(statistics);
+  return text;
+}
+
+std::string finalValues(tf_simulation *simulation) {
+  const tf_model &model = *tf_get_model(simulation);
+  std::string text;
+  for (std::int32_t i = 0; i < model.variable_count; ++i) {
+    const tf_variable &variable = model.variables[i];
+    const bool isState = variable.kind == TF_KIND_TIME || variable.kind == TF_KIND_COORDINATE || variable.kind == TF_KIND_VELOCITY ||
+                         variable.kind == TF_KIND_STATE;
+    if ((!isState && (variable.flags & TF_OUTPUT) == 0) || (variable.flags & TF_PROTECTED) != 0)
+      continue;
+    const bool hasUnit = variable.unit[0] != '\0' && std::string_view(variable.unit) != "1";
+    text += fmt::format("{} = {}{}{}\n", variable.name, number(tf_get(simulation, i)), hasUnit ? " " : "", hasUnit ? variable.unit : "");
+  }
+  return text;
+}
+
+}  // namespace tf::driver
