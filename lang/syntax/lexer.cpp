@@ -84,6 +84,7 @@ private:
   void blockComment();
   void other();
   bool foreignOperator();
+  void foreignWord(std::size_t begin);
   void escape(std::size_t begin);
   std::size_t digits(std::size_t position) const;
 
@@ -224,6 +225,10 @@ void Lexer::quotedName() {
       position_ += length - 1;
     }
   }
+  // Read on behind the word.
+  position_ = begin + 1;
+  while (isWordAt(position_))
+    ++position_;
   diagnostics_.report(UnterminatedName, span(begin, position_));
   push(TokenKind::Identifier, begin);
 }
@@ -352,6 +357,21 @@ void Lexer::other() {
   if (!isPrintable || !isAscii)
     character += fmt::format("{}U+{:04X}{}", isPrintable ? " (" : "", point.value, isPrintable ? ")" : "");
   diagnostics_.report(InvalidCharacter, span(begin, position_), character);
+  if (!isAscii)
+    foreignWord(begin);
+}
+
+// Letters of other alphabets are read as part of the name that they stand in.
+void Lexer::foreignWord(std::size_t begin) {
+  while (isWordAt(position_))
+    ++position_;
+  std::vector<Token> &tokens = result_.tokens;
+  const bool continues =
+      !tokens.empty() && tokens.back().end == begin && (tokens.back().kind == TokenKind::Identifier || isKeyword(tokens.back().kind));
+  if (!continues)
+    return push(TokenKind::Identifier, begin);
+  tokens.back().kind = TokenKind::Identifier;
+  tokens.back().end = static_cast<std::uint32_t>(position_);
 }
 
 }  // namespace

@@ -12,35 +12,27 @@ ast::File *Parser::parseFile() {
   auto *file = arena_.make<ast::File>();
   auto classes = list<ast::ClassDefinition *>();
   while (current().kind != TokenKind::EndOfFile) {
-    const std::size_t start = position_;
-    const Token first = current();
+    const Token &first = current();
     if (at(TokenKind::Within)) {
-      if (start > 0)
+      if (position_ > 0)
         complain(MisplacedWithin, span(first));
       parseWithin(*file);
-    } else {
-      const bool isFinal = accept(TokenKind::Final);
-      if (atClass()) {
-        classes.push(parseClass());
-        classes.back()->isFinal = isFinal;
-        classes.back()->span.begin = first.begin;
-        expectSemicolon();
-      } else {
-        fail(ExpectedClass, span(current()), describe(current()));
-      }
+      continue;
     }
-    if (recovering_)
+    const bool isFinal = accept(TokenKind::Final);
+    if (!atClass()) {
+      complain(ExpectedClass, span(current()), describe(current()));
+      skipToClass();
+      continue;
+    }
+    classes.push(parseClass());
+    classes.back()->isFinal = isFinal;
+    classes.back()->span.begin = first.begin;
+    expectSemicolon();
+    if (recovering_) {
       synchronize();
-    // What cannot begin a class was part of the same mistake.
-    const auto canBegin = [&] {
-      return current().kind == TokenKind::EndOfFile || (atClass() && current().startsLine) || at(TokenKind::Within);
-    };
-    const bool isStuck = position_ == start;
-    if (isStuck)
-      advance();
-    if (isStuck || classes.empty()) {
-      while (!canBegin() && !(at(TokenKind::Final) && current().startsLine) && (isStuck || diagnostics_.hasErrors()))
-        advance();
+      if (!atClass())
+        skipToClass();
     }
   }
   file->classes = classes.finish(arena_);
@@ -49,6 +41,13 @@ ast::File *Parser::parseFile() {
     comments.push(comment);
   file->comments = comments.finish(arena_);
   return file;
+}
+
+// What cannot begin a class is part of the mistake that was reported before it.
+void Parser::skipToClass() {
+  do {
+    advance();
+  } while (!at(TokenKind::EndOfFile) && !(current().startsLine && (atClass() || at(TokenKind::Within) || at(TokenKind::Final))));
 }
 
 void Parser::parseWithin(ast::File &file) {
@@ -139,9 +138,9 @@ ast::ClassDefinition *Parser::parseClass(bool inModification) {
         complain(ShortOptimization, span(current()));
       advance();
       parseShortClass(*definition);
-    } else if (inModification) {
-      fail(LongClassInModifier, definition->name.span, definition->name.text);
     } else {
+      if (inModification)
+        complain(LongClassInModifier, definition->name.span, definition->name.text);
       if (isOptimization && at(TokenKind::LeftParenthesis))
         definition->modification = parseClassModification();
       parseLongClass(*definition);
@@ -279,6 +278,7 @@ void Parser::parseLongClass(ast::ClassDefinition &definition) {
     skipBrokenHeading();
   const Restriction enclosing = std::exchange(enclosing_, definition.restriction);
   const bool inConstraints = std::exchange(inConstraints_, false);
+  const bool equationReported = std::exchange(equationReported_, false);
   const std::vector<TokenKind> openBlocks = std::exchange(openBlocks_, {});
   openClasses_.push_back(definition.name.text);
   definition.comment = parseDescription();
@@ -292,6 +292,7 @@ void Parser::parseLongClass(ast::ClassDefinition &definition) {
   openClasses_.pop_back();
   openBlocks_ = openBlocks;
   inConstraints_ = inConstraints;
+  equationReported_ = equationReported;
   enclosing_ = enclosing;
   parseEndOfClass(definition);
 }
@@ -305,6 +306,7 @@ void Parser::parseEndOfClass(ast::ClassDefinition &definition) {
       complain(MissingEnd, Span{file_, previous().end, previous().end}, name.text, wanted)
           .note(name.span, fmt::format("'{}' begins here", name.text));
     endReported_ = true;
+    endMissing_ = true;
     return;
   }
   const Token &written = peek(1);
@@ -313,8 +315,7 @@ void Parser::parseEndOfClass(ast::ClassDefinition &definition) {
       isName && text(written) != name.text && std::find(openClasses_.begin(), openClasses_.end(), text(written)) != openClasses_.end();
   if (closesOuter) {
     complain(MissingEnd, cover(span(end), span(written)), name.text, wanted).note(name.span, fmt::format("'{}' begins here", name.text));
-    // The end of the outer class is not the rest of this element.
-    failedInMatrix_ = false;
+    endMissing_ = true;
     return;
   }
   advance();
@@ -390,11 +391,14 @@ bool Parser::parseCompositionItem(ast::ClassDefinition &definition, ast::ListBui
   const std::size_t start = position_;
   const ast::Element element = parseElement(isProtected);
   if (std::exchange(foundEquation_, false)) {
-    // Read on as if the keyword stood here.
+    // Read as if the keyword stood here.
     resume();
     rewind(start);
+    auto equations = list<ast::Equation *>();
+    equations.push(parseEquation());
+    expectSemicolon();
     ast::Section section;
-    section.equations = parseEquations();
+    section.equations = equations.finish(arena_);
     section.span = since(tokens_[start].begin);
     sections.push(section);
     return true;

@@ -50,7 +50,26 @@ std::string Parser::describe(const Token &token) const {
   return fmt::format("'{}…'", written.substr(0, findInvalid(written)));
 }
 
-Diagnostic &Parser::unexpected(std::string_view expected) { return fail(UnexpectedToken, span(current()), expected, describe(current())); }
+// What is missing before a token on a new line is missing at the end of the previous one.
+Span Parser::errorSpan() const {
+  const Token &token = current();
+  const TokenKind before = previous().kind;
+  const bool isFirst = before == TokenKind::Semicolon || before == TokenKind::Equation || before == TokenKind::Algorithm;
+  const bool isBehind = position_ > 0 && !isFirst && (token.startsLine || token.kind == TokenKind::EndOfFile);
+  return isBehind ? Span{file_, previous().end, previous().end} : span(token);
+}
+
+Diagnostic &Parser::unexpected(std::string_view expected) {
+  // Strings may span lines, so that a missing quote shows itself at the next string only.
+  const Token &string = previous();
+  const std::size_t lineEnd = string.kind == TokenKind::String ? text(string).find_first_of("\r\n") : std::string_view::npos;
+  if (!recovering_ && lineEnd != std::string_view::npos && !current().startsLine) {
+    Diagnostic &diagnostic = fail(UnterminatedString, Span{file_, string.begin, string.begin + static_cast<std::uint32_t>(lineEnd)});
+    unreliableFrom_ = std::min(unreliableFrom_, string.begin);
+    return diagnostic;
+  }
+  return fail(UnexpectedToken, errorSpan(), expected, describe(current()));
+}
 
 bool Parser::expect(TokenKind kind) {
   if (accept(kind))
@@ -90,7 +109,8 @@ bool Parser::startsSomething(const Token &token) const {
 }
 
 void Parser::expectSemicolon() {
-  if (recovering_ || accept(TokenKind::Semicolon))
+  const bool endMissing = std::exchange(endMissing_, false);
+  if (recovering_ || accept(TokenKind::Semicolon) || endMissing)
     return;
   if (!startsSomething(current())) {
     unexpected("';'");
@@ -106,8 +126,8 @@ void Parser::expectClosing(TokenKind closing, const Token &opening, std::string_
   const bool isClosed = atAny({TokenKind::Semicolon, TokenKind::EndOfFile, TokenKind::RightParenthesis, TokenKind::RightBracket,
                                TokenKind::RightBrace, TokenKind::Then, TokenKind::Loop, TokenKind::End, TokenKind::Equation,
                                TokenKind::Algorithm, TokenKind::Annotation, TokenKind::String});
-  if (isClosed)
-    fail(MissingBracket, span(current()), spelling(closing), describe(current()))
+  if (isClosed || current().startsLine)
+    fail(MissingBracket, errorSpan(), spelling(closing), describe(current()))
         .note(span(opening), fmt::format("it would close this '{}'", text(opening)));
   else
     unexpected(fmt::format("{} or '{}'", separators, spelling(closing)));

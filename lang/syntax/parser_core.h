@@ -21,6 +21,8 @@ public:
   Parser(const SourceManager &sources, FileId file, ast::Arena &arena, Diagnostics &diagnostics);
 
   ast::File *parseFile();
+  // Errors behind this place would be consequences of one before.
+  [[nodiscard]] std::uint32_t unreliableFrom() const { return unreliableFrom_; }
   ast::Expr *parseWholeExpression();
 
 private:
@@ -45,7 +47,7 @@ private:
 
   // ---- errors
   template <class... Args> Diagnostic &complain(const DiagnosticKind &kind, Span where, const Args &...args) {
-    if (recovering_ || where.begin >= unreliableFrom_)
+    if (recovering_ || std::max(where.begin, here()) >= unreliableFrom_)
       return silent_ = Diagnostic{};
     return diagnostics_.report(kind, where, args...);
   }
@@ -61,6 +63,7 @@ private:
   void synchronize();
   [[nodiscard]] bool isStructural(const Token &token, std::size_t ahead) const;
   [[nodiscard]] bool isInsideMatrix() const;
+  [[nodiscard]] Span errorSpan() const;
   Diagnostic &unexpected(std::string_view expected);
   bool expect(TokenKind kind);
   void expectSemicolon();
@@ -140,7 +143,8 @@ private:
   template <class Constrained> void parseConstraining(Constrained &node, bool isReplaceable, bool withComment);
   [[nodiscard]] bool atCoordinatePrefix() const;
   [[nodiscard]] bool atDeclarationPrefix() const;
-  bool atEquationInElements(const ast::ComponentClause &clause);
+  [[nodiscard]] bool atEquationInElements(const ast::ComponentClause &clause) const;
+  void failAtEquation(Span where);
 
   // ---- classes
   [[nodiscard]] bool atClass() const;
@@ -161,6 +165,7 @@ private:
   void parseEndOfClass(ast::ClassDefinition &definition);
   void skipBrokenHeading();
   void parseWithin(ast::File &file);
+  void skipToClass();
 
   // ---- equations and statements
   ast::Section parseSection();
@@ -181,8 +186,10 @@ private:
   template <class Body> void parseForBlock(Body &block);
   template <class Body> ast::List<Body *> parseBody();
   template <class Body> ast::Branch<Body> parseConditionalBranch();
-  void expectEndOf(TokenKind block, const Token &opening);
+  void expectHeadWord(TokenKind word);
+  void expectEndOf(TokenKind block, const Token &opening, const Token *elseIf = nullptr);
   bool atMisspelledElseif();
+  [[nodiscard]] bool atGluedEnd() const;
   [[nodiscard]] bool atEndOfBody() const;
   [[nodiscard]] bool atSection() const;
   [[nodiscard]] bool atConstraintSection() const;
@@ -200,9 +207,11 @@ private:
   std::size_t position_ = 0;
   TokenKind kind_ = TokenKind::EndOfFile;  // of the current token; in recovery recoveryKind
   bool recovering_ = false;
-  bool failedInMatrix_ = false;  // where recovery was entered
-  bool foundEquation_ = false;   // recovery was entered at an equation among the declarations
-  bool endReported_ = false;     // that the file ends inside a class: its enclosing classes have no end either
+  bool failedInMatrix_ = false;    // where recovery was entered
+  bool foundEquation_ = false;     // recovery was entered at an equation among the declarations
+  bool equationReported_ = false;  // one such report is enough for a class
+  bool endMissing_ = false;        // the last class has no end, so no ';' either
+  bool endReported_ = false;       // that the file ends inside a class: its enclosing classes have no end either
   Diagnostic silent_;
 
   int nesting_ = 0;

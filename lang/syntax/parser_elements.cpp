@@ -252,8 +252,7 @@ ast::ComponentClause *Parser::parseComponentClause(bool single) {
   if (atAny({TokenKind::If, TokenKind::For, TokenKind::When, TokenKind::Connect, TokenKind::Der, TokenKind::Initial,
              TokenKind::LeftParenthesis}) &&
       !single && clause->prefixSpan.begin == clause->prefixSpan.end) {
-    fail(EquationOutsideSection, span(current()));
-    foundEquation_ = true;
+    failAtEquation(span(current()));
     clause->span = since(begin);
     return clause;
   }
@@ -263,8 +262,7 @@ ast::ComponentClause *Parser::parseComponentClause(bool single) {
     clause->subscripts = parseSubscripts();
   }
   if (!single && atEquationInElements(*clause)) {
-    fail(EquationOutsideSection, since(begin));
-    foundEquation_ = true;
+    failAtEquation(since(begin));
     clause->span = since(begin);
     return clause;
   }
@@ -273,8 +271,16 @@ ast::ComponentClause *Parser::parseComponentClause(bool single) {
   return clause;
 }
 
+void Parser::failAtEquation(Span where) {
+  if (equationReported_)
+    where.begin = unreliableFrom_;  // silent
+  fail(EquationOutsideSection, where);
+  foundEquation_ = true;
+  equationReported_ = true;
+}
+
 // `x = 1;` or `f(x);` where a declaration should be.
-bool Parser::atEquationInElements(const ast::ComponentClause &clause) {
+bool Parser::atEquationInElements(const ast::ComponentClause &clause) const {
   return !recovering_ && clause.prefixSpan.begin == clause.prefixSpan.end &&
          atAny({TokenKind::Equal, TokenKind::LeftParenthesis, TokenKind::EqualEqual, TokenKind::Plus, TokenKind::Minus, TokenKind::Times,
                 TokenKind::Divide, TokenKind::Assign});

@@ -67,7 +67,7 @@ bool Parser::atEndOfBody() const {
 
 template <class Body> ast::List<Body *> Parser::parseBody() {
   auto bodies = list<Body *>();
-  while (!atEndOfBody() && !(!openBlocks_.empty() && atMisspelledElseif())) {
+  while (!atEndOfBody() && !atGluedEnd() && !atMisspelledElseif()) {
     const std::size_t start = position_;
     if constexpr (std::is_same_v<Body, ast::Equation>)
       bodies.push(parseEquation());
@@ -89,7 +89,7 @@ ast::List<ast::Statement *> Parser::parseStatements() { return parseBody<ast::St
 
 // `elsif` and the like are read as `elseif`.
 bool Parser::atMisspelledElseif() {
-  if (!(atWord("elsif") || atWord("elif") || atWord("elseIf")) || openBlocks_.back() != TokenKind::If)
+  if (openBlocks_.empty() || openBlocks_.back() != TokenKind::If || !(atWord("elsif") || atWord("elif") || atWord("elseIf")))
     return false;
   const TokenKind next = peek(1).kind;
   if (next == TokenKind::Equal || next == TokenKind::Assign || next == TokenKind::Dot || next == TokenKind::LeftBracket)
@@ -100,21 +100,30 @@ bool Parser::atMisspelledElseif() {
   return true;
 }
 
+// `endif`
+bool Parser::atGluedEnd() const {
+  return !openBlocks_.empty() && at(TokenKind::Identifier) && peek(1).kind == TokenKind::Semicolon && text(current()).starts_with("end") &&
+         text(current()).substr(3) == spelling(openBlocks_.back());
+}
+
+// `then` or `loop`. A broken head of a block does not take the block with it.
+void Parser::expectHeadWord(TokenKind word) {
+  if (accept(word))
+    return;
+  const bool isComplete = !recovering_ && current().startsLine;
+  unexpected(fmt::format("'{}'", spelling(word)));
+  while (!isComplete && !isStructural(current(), 0) && current().kind != word && current().kind != TokenKind::Semicolon)
+    ++position_;
+  resume();
+  if (!isComplete && !accept(word))
+    accept(TokenKind::Semicolon);
+}
+
 template <class Body> ast::Branch<Body> Parser::parseConditionalBranch() {
   ast::Branch<Body> branch;
   advance();
   branch.condition = parseBracketed();
-  expect(TokenKind::Then);
-  // A broken condition does not take the block with it.
-  if (recovering_) {
-    while (!isStructural(current(), 0) && current().kind != TokenKind::Then && current().kind != TokenKind::Semicolon)
-      ++position_;
-    const bool found = current().kind == TokenKind::Then;
-    if (!found)
-      return branch;
-    resume();
-    advance();
-  }
+  expectHeadWord(TokenKind::Then);
   branch.body = parseBody<Body>();
   return branch;
 }
@@ -126,13 +135,15 @@ template <class Body> void Parser::parseIfBlock(Body &block) {
   do {
     branches.push(parseConditionalBranch<Body>());
   } while (at(TokenKind::Elseif));
+  const Token *elseIf = nullptr;
   if (accept(TokenKind::Else)) {
+    elseIf = at(TokenKind::If) && !current().startsLine ? &current() : nullptr;
     ast::Branch<Body> branch;
     branch.body = parseBody<Body>();
     branches.push(branch);
   }
   openBlocks_.pop_back();
-  expectEndOf(TokenKind::If, opening);
+  expectEndOf(TokenKind::If, opening, elseIf);
   block.branches = branches.finish(arena_);
 }
 
@@ -152,15 +163,7 @@ template <class Body> void Parser::parseForBlock(Body &block) {
   const Token &opening = current();
   advance();
   block.iterators = parseForIndices();
-  expect(TokenKind::Loop);
-  if (recovering_) {
-    while (!isStructural(current(), 0) && current().kind != TokenKind::Loop && current().kind != TokenKind::Semicolon)
-      ++position_;
-    if (current().kind != TokenKind::Loop)
-      return;
-    resume();
-    advance();
-  }
+  expectHeadWord(TokenKind::Loop);
   openBlocks_.push_back(TokenKind::For);
   block.body = parseBody<Body>();
   openBlocks_.pop_back();
@@ -168,7 +171,7 @@ template <class Body> void Parser::parseForBlock(Body &block) {
 }
 
 // `end if` and the like. An end that closes something further out is left to it.
-void Parser::expectEndOf(TokenKind block, const Token &opening) {
+void Parser::expectEndOf(TokenKind block, const Token &opening, const Token *elseIf) {
   if (recovering_)
     return;
   const std::string_view word = spelling(block);
@@ -177,6 +180,11 @@ void Parser::expectEndOf(TokenKind block, const Token &opening) {
   const Token &written = peek(1);
   if (end.kind == TokenKind::End && written.kind == block) {
     advance();
+    advance();
+    return;
+  }
+  if (at(TokenKind::Identifier) && text(end).starts_with("end") && text(end).substr(3) == word) {
+    complain(UnexpectedToken, span(end), fmt::format("'{}'", wanted), describe(end));
     advance();
     return;
   }
@@ -194,7 +202,10 @@ void Parser::expectEndOf(TokenKind block, const Token &opening) {
     advance();
     return;
   }
-  fail(MissingEnd, span(opening), word, wanted).note(span(end), fmt::format("it would stand before this {}", describe(end)));
+  Diagnostic &missing = fail(MissingEnd, span(opening), word, wanted);
+  missing.note(span(end), fmt::format("it would stand before this {}", describe(end)));
+  if (elseIf != nullptr)
+    missing.note(span(*elseIf), "'else if' begins a second 'if' here; 'elseif' would continue the first");
 }
 
 // ---- equations -------------------------------------------------------------------------------------------------------------------
@@ -277,7 +288,7 @@ ast::Equation *Parser::parseEqualityOrCall(ast::Equation *equation, std::size_t 
     equation->call = equation->left;
     equation->left = nullptr;
   } else {
-    fail(IncompleteEquation, span(current()), describe(current()));
+    fail(IncompleteEquation, equation->left->span);
   }
   return equation;
 }
@@ -368,8 +379,8 @@ void Parser::parseWhile(ast::Statement &statement) {
   openBlocks_.push_back(TokenKind::While);
   advance();
   statement.condition = parseBracketed();
-  if (expect(TokenKind::Loop))
-    statement.body = parseStatements();
+  expectHeadWord(TokenKind::Loop);
+  statement.body = parseStatements();
   openBlocks_.pop_back();
   expectEndOf(TokenKind::While, opening);
 }
@@ -410,7 +421,7 @@ ast::Statement *Parser::parseAssignmentOrCall(ast::Statement *statement, std::si
     statement->kind = StatementKind::Call;
     statement->right = left;
   } else {
-    fail(IncompleteStatement, span(current()), describe(current()));
+    fail(IncompleteStatement, errorSpan(), describe(current()));
   }
   return statement;
 }

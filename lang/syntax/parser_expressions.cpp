@@ -91,10 +91,14 @@ ast::Expr *Parser::finish(ast::Expr *expression) {
 
 ast::Expr *Parser::missingExpression() {
   const Token &token = current();
-  if (token.kind == TokenKind::End)
+  if (at(TokenKind::End) && !token.startsLine) {
+    advance();
     fail(EndOutsideSubscript, span(token));
-  else
-    fail(MissingExpression, span(token), describe(token));
+  } else if (at(TokenKind::If)) {
+    fail(MissingExpression, span(token), "'if'; an if-expression inside another needs parentheses");
+  } else {
+    fail(MissingExpression, errorSpan(), describe(token));
+  }
   return newExpr(ExprKind::Error, token.begin);
 }
 
