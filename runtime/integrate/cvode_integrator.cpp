@@ -32,7 +32,7 @@ int evaluateJacobian(realtype time, N_Vector state, N_Vector rate, SUNMatrix mat
 
 void ignoreMessage(int, const char *, const char *, char *, void *) {}
 
-} // namespace
+}  // namespace
 
 struct CvodeIntegrator::Solver {
   SUNContext context = nullptr;
@@ -136,4 +136,4 @@ void CvodeIntegrator::interpolate(double time, double *state) {
     std::copy(end_.begin(), end_.end(), state);
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

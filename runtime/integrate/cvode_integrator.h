@@ -24,4 +24,4 @@ private:
   double next_ = 0;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -19,10 +19,10 @@ constexpr double weights[5][5] = {
 constexpr double result[] = {35.0 / 384, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84};
 // Of k1, k3, k4, k5, k6, k7.
 constexpr double difference[] = {71.0 / 57600, -71.0 / 16695, 71.0 / 1920, -17253.0 / 339200, 22.0 / 525, -1.0 / 40};
-constexpr double dense[] = {-12715105075.0 / 11282082432.0, 87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
-                            701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0, 69997945.0 / 29380423.0};
+constexpr double dense[] = {-12715105075.0 / 11282082432.0,  87487479700.0 / 32700410799.0, -10690763975.0 / 1880347072.0,
+                            701980252875.0 / 199316789632.0, -1453857185.0 / 822651844.0,   69997945.0 / 29380423.0};
 
-} // namespace
+}  // namespace
 
 DormandPrince::DormandPrince(int size)
     : ElementMethod(size), stages_(static_cast<std::size_t>(size) * 5), point_(size), begin_(size), beginRate_(size) {}
@@ -72,4 +72,4 @@ double DormandPrince::errorNorm(const double *scale, double tolerance) const {
   return norm / tolerance;
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -11,7 +11,8 @@ public:
   explicit DormandPrince(int size);
 
   void restart() override {}
-  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) override;
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
+             double accuracy) override;
   void interpolate(double theta, double *y) const override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double errorOrder() const override { return 5; }
@@ -22,4 +23,4 @@ private:
   double h_ = 0;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -12,7 +12,7 @@ constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 double smallestStep(double time) { return 16 * epsilon * std::max(std::abs(time), 1e-3); }
 
-} // namespace
+}  // namespace
 
 ElementIntegrator::ElementIntegrator(ModeDynamics &dynamics, IntegratorSettings settings, std::unique_ptr<ElementMethod> method)
     : SmoothIntegrator(dynamics, std::move(settings)), method_(std::move(method)), scale_(n_), trial_(n_), trialRate_(n_) {}
@@ -122,6 +122,8 @@ bool ElementIntegrator::shorten(double time) {
   return true;
 }
 
-void ElementIntegrator::interpolate(double time, double *state) { method_->interpolate((time - beginTime_) / (endTime_ - beginTime_), state); }
+void ElementIntegrator::interpolate(double time, double *state) {
+  method_->interpolate((time - beginTime_) / (endTime_ - beginTime_), state);
+}
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

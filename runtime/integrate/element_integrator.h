@@ -26,10 +26,10 @@ private:
 
   std::unique_ptr<ElementMethod> method_;
   std::vector<double> scale_;
-  double next_ = 0;       // suggested length
+  double next_ = 0;  // suggested length
   bool first_ = true;
-  bool moved_ = false;    // the end of the last step was accepted and is the next begin
+  bool moved_ = false;  // the end of the last step was accepted and is the next begin
   std::vector<double> trial_, trialRate_;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

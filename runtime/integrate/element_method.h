@@ -17,9 +17,10 @@ public:
 
   // Forgets what it knows of earlier elements (a new mode, a jump).
   virtual void restart() = 0;
-  // Solves the element from (t0, y0) with dy/dt(t0) = f0. Implicit equations are solved to `accuracy` relative to `scale`. The dynamics' last
-  // evaluation is at the end then. False: it did not converge or the dynamics cannot be evaluated.
-  virtual bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) = 0;
+  // Solves the element from (t0, y0) with dy/dt(t0) = f0. Implicit equations are solved to `accuracy` relative to `scale`. The dynamics'
+  // last evaluation is at the end then. False: it did not converge or the dynamics cannot be evaluated.
+  virtual bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
+                     double accuracy) = 0;
   // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element.
   virtual void interpolate(double theta, double *y) const = 0;
   // The last element becomes the past that starting values are taken from.
@@ -39,4 +40,4 @@ protected:
   int n_;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -45,4 +45,4 @@ void MassMatrix::solve(const double *b, double *x) const {
   }
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

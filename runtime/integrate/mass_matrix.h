@@ -23,4 +23,4 @@ private:
   int failedRow_ = -1;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -19,4 +19,4 @@ struct Mode {
   bool operator==(const Mode &) const = default;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

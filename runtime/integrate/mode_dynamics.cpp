@@ -18,12 +18,12 @@ bool allFinite(const double *values, int count) {
   return sum == 0;
 }
 
-} // namespace
+}  // namespace
 
 ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
     : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
-      freeAcceleration_(evaluation.model().nv), change_(evaluation.model().nv), plus_(evaluation.stateSize()), minus_(evaluation.stateSize()),
-      shifted_(evaluation.stateSize()) {}
+      freeAcceleration_(evaluation.model().nv), change_(evaluation.model().nv), plus_(evaluation.stateSize()),
+      minus_(evaluation.stateSize()), shifted_(evaluation.stateSize()) {}
 
 bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
   const tf_model &model = at_.model();
@@ -42,8 +42,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
   contactMode_.resize(problem_.normalCount, problem_.tangentCount);
   rows_.choose(model, contacts, tangents, problem_);
   std::fill(contactMode_.closed.begin(), contactMode_.closed.end(), std::uint8_t{1});
-  for (std::size_t j = 0; j < tangents.size(); ++j)
-  {
+  for (std::size_t j = 0; j < tangents.size(); ++j) {
     contactMode_.slip[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
     problem_.slipSign[j] = contactMode_.slip[j];
   }
@@ -335,12 +334,24 @@ void ModeDynamics::guardValues(double *values) {
   for (std::size_t k = 0; k < guards_.size(); ++k) {
     const Guard &guard = guards_[k];
     switch (guard.kind) {
-    case GuardKind::Gap: values[k] = at_.gap[guard.index]; break;
-    case GuardKind::Force: values[k] = forces_.marginValues()[guard.index]; break;
-    case GuardKind::Slip: values[k] = guard.sign * at_.slip[guard.index]; break;
-    case GuardKind::Condition: values[k] = guard.sign * at_.condition[guard.index]; break;
-    case GuardKind::StepLow: values[k] = at_.stepVariable[guard.index]; break;
-    case GuardKind::StepHigh: values[k] = 1 - at_.stepVariable[guard.index]; break;
+    case GuardKind::Gap:
+      values[k] = at_.gap[guard.index];
+      break;
+    case GuardKind::Force:
+      values[k] = forces_.marginValues()[guard.index];
+      break;
+    case GuardKind::Slip:
+      values[k] = guard.sign * at_.slip[guard.index];
+      break;
+    case GuardKind::Condition:
+      values[k] = guard.sign * at_.condition[guard.index];
+      break;
+    case GuardKind::StepLow:
+      values[k] = at_.stepVariable[guard.index];
+      break;
+    case GuardKind::StepHigh:
+      values[k] = 1 - at_.stepVariable[guard.index];
+      break;
     }
   }
 }
@@ -416,4 +427,4 @@ double ModeDynamics::project(double *state, const double *scale) {
   return size;
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

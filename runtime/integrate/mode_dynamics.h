@@ -29,9 +29,9 @@ enum class GuardKind : std::uint8_t {
 // A function that is ≥ 0 in the mode.
 struct Guard {
   GuardKind kind = GuardKind::Gap;
-  int index = 0;      // contact, margin, tangential row or switch
+  int index = 0;  // contact, margin, tangential row or switch
   double sign = 1;
-  double scale = 1;   // magnitude below 1e-12 · scale is rounding
+  double scale = 1;  // magnitude below 1e-12 · scale is rounding
 };
 
 enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged };
@@ -57,8 +57,8 @@ public:
 
   // d/dt of the accelerations at fixed contact forces along the motion, for the rows of `rows` (of the same point): derivative of gap'' and
   // slip'' [rows], friction coefficients and bounds [tangents of rows]. `rate` is dy/dt.
-  void accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate, std::vector<double> &frictionRate,
-                         std::vector<double> &boundRate);
+  void accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate,
+                         std::vector<double> &frictionRate, std::vector<double> &boundRate);
 
   [[nodiscard]] const std::vector<Guard> &guards() const { return guards_; }
   // Values at the point of the last evaluation.
@@ -112,4 +112,4 @@ private:
   Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

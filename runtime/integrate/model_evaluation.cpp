@@ -8,7 +8,7 @@ namespace {
 
 std::vector<double> array(int rows, int columns = 1) { return std::vector<double>(static_cast<std::size_t>(rows) * columns); }
 
-} // namespace
+}  // namespace
 
 ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inputs)
     : mass(model.nv), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)), gap(array(model.nc)),
@@ -123,4 +123,4 @@ void ModelEvaluation::energies(double &kinetic, double &potential, double &power
   model_->energies(in_, out, nullptr);
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

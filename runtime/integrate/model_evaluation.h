@@ -49,13 +49,14 @@ public:
   [[nodiscard]] double time() const { return time_; }
 
   MassMatrix mass;
-  std::vector<double> massMatrix, force, stateRate;                                   // dynamics
-  std::vector<double> gap, gapRate, slip, condition;                                  // switching
-  std::vector<double> normal, normalBias, tangent, tangentBias, friction, bound;      // contactTerms
-  std::vector<double> rate, restitution;                                              // contactParameters
-  std::vector<double> conditionGradient;                                              // switchGradients
-  std::vector<double> forceByStep, stateRateByStep;                                   // stepDerivatives
-  std::vector<double> residualByState, stateRateByState, normalByState, tangentByState, frictionByState, boundByState;  // dynamicsDerivatives
+  std::vector<double> massMatrix, force, stateRate;                               // dynamics
+  std::vector<double> gap, gapRate, slip, condition;                              // switching
+  std::vector<double> normal, normalBias, tangent, tangentBias, friction, bound;  // contactTerms
+  std::vector<double> rate, restitution;                                          // contactParameters
+  std::vector<double> conditionGradient;                                          // switchGradients
+  std::vector<double> forceByStep, stateRateByStep;                               // stepDerivatives
+  std::vector<double> residualByState, stateRateByState, normalByState, tangentByState, frictionByState,
+      boundByState;  // dynamicsDerivatives
   // Arguments that others fill in.
   std::vector<double> input, inputRate, stepVariable, acceleration, normalForce, tangentForce;
 
@@ -67,4 +68,4 @@ private:
   bool constantInputs_ = false;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -52,11 +52,11 @@ std::vector<long double> integralMoments(int count, long double end, long double
   return moments;
 }
 
-} // namespace
+}  // namespace
 
 Radau::Radau(int size, int stages)
-    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), stage_(static_cast<std::size_t>(size) * stages), rate_(stage_.size()),
-      begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), jacobian_(size, size),
+    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), stage_(static_cast<std::size_t>(size) * stages),
+      rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), jacobian_(size, size),
       newtonMatrix_(size * stages, size * stages), residual_(size * stages), factor_(size * stages), errorFactor_(size) {
   assert(stages >= 1 && stages <= 4);
   for (int i = 0; i < stages; ++i) {
@@ -276,4 +276,4 @@ double Radau::errorNorm(const double *scale, double tolerance) const {
   return std::pow(norm, errorPower_) / tolerance;
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

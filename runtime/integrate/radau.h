@@ -14,7 +14,8 @@ public:
   Radau(int size, int stages);
 
   void restart() override;
-  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) override;
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
+             double accuracy) override;
   void interpolate(double theta, double *y) const override;
   void accept() override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
@@ -50,4 +51,4 @@ private:
   bool stiff_ = false;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -75,4 +75,4 @@ double RowSystem::product(int row, const double *x) const {
   return sum;
 }
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -10,8 +10,8 @@ namespace tf::runtime {
 
 class RowSystem {
 public:
-  // Normal rows of `contacts`, then the tangential rows `tangents` (numbers of the model's table; a row of a contact needs its contact among
-  // `contacts`). Fills owners of `problem`.
+  // Normal rows of `contacts`, then the tangential rows `tangents` (numbers of the model's table; a row of a contact needs its contact
+  // among `contacts`). Fills owners of `problem`.
   void choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem);
 
   // J and W Jᵀ at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds.
@@ -38,4 +38,4 @@ private:
 // Contact of a tangential row of the model, −1 for a row of a friction element.
 [[nodiscard]] std::vector<int> contactsOfTangents(const tf_model &model);
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

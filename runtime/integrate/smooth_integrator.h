@@ -61,4 +61,4 @@ protected:
   IntegratorStatistics statistics_;
 };
 
-} // namespace tf::runtime
+}  // namespace tf::runtime

@@ -1,0 +1,254 @@
+#include "runtime/simulate/event_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
+
+// Cubic Hermite interpolant on [0, h] at s in [0, 1].
+double hermite(double a, double da, double b, double db, double h, double s) {
+  const double r = 1 - s;
+  return r * r * (1 + 2 * s) * a + s * s * (3 - 2 * s) * b + h * s * r * (r * da - s * db);
+}
+
+// The interpolant's least value inside (0, 1), infinity where it has no interior minimum.
+double hermiteMinimum(double a, double da, double b, double db, double h, double &place) {
+  // Derivative (in s): 3 p s² + 2 q s + r.
+  const double p = 2 * (a - b) + h * (da + db);
+  const double q = 3 * (b - a) - h * (2 * da + db);
+  const double r = h * da;
+  const double discriminant = q * q - 3 * p * r;
+  place = -1;
+  if (discriminant < 0)
+    return std::numeric_limits<double>::infinity();
+  const double root = std::sqrt(discriminant);
+  // The minimum is the root where the second derivative is positive.
+  const double s = q + root != 0 ? -r / (q + root) : std::numeric_limits<double>::infinity();
+  if (!(s > 0 && s < 1))
+    return std::numeric_limits<double>::infinity();
+  place = s;
+  return hermite(a, da, b, db, h, s);
+}
+
+}  // namespace
+
+EventDetection::EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integrator)
+    : dynamics_(dynamics), integrator_(&integrator), pool_(deepest + 1), state_(dynamics.size()), scratch_(dynamics.size()) {}
+
+double EventDetection::threshold(int guard) const {
+  const Guard &g = dynamics_.guards()[guard];
+  return (g.kind == GuardKind::Force || g.kind == GuardKind::StepLow || g.kind == GuardKind::StepHigh ? 1e-9 : 1e-12) * g.scale;
+}
+
+bool EventDetection::sample(double time, const double *state, Sample &sample) {
+  sample.time = time;
+  if (needsForces_) {
+    if (!dynamics_.evaluate(time, state, scratch_.data()))
+      return false;
+  } else {
+    dynamics_.model().setPoint(time, state);
+  }
+  dynamics_.guardValues(sample.value.data());
+  dynamics_.guardRates(sample.rate.data());
+  return true;
+}
+
+bool EventDetection::sampleInside(double time, Sample &sample) {
+  integrator_->interpolate(time, state_.data());
+  return this->sample(time, state_.data(), sample);
+}
+
+double EventDetection::guardInside(int guard, double time) {
+  return sampleInside(time, inside_) ? inside_.value[guard] : std::numeric_limits<double>::quiet_NaN();
+}
+
+void EventDetection::restart(double time, const double *state) {
+  const std::size_t count = dynamics_.guards().size();
+  needsForces_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) {
+    return guard.kind == GuardKind::Force || guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh;
+  });
+  const auto resize = [count](Sample &s) {
+    s.value.assign(count, 0.0);
+    s.rate.assign(count, 0.0);
+  };
+  resize(begin_);
+  resize(end_);
+  resize(middle_);
+  resize(inside_);
+  std::for_each(pool_.begin(), pool_.end(), resize);
+  sample(time, state, begin_);
+  armed_.assign(count, 0);
+  for (std::size_t k = 0; k < count; ++k)
+    armed_[k] = begin_.value[k] > threshold(static_cast<int>(k));
+}
+
+// The first zero in [low, high] on the interpolant by the Illinois method.
+void EventDetection::bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first) {
+  if (first.guard >= 0 && low >= first.time)
+    return;
+  double a = low, fa = std::max(lowValue, 0.0), b = high, fb = highValue;
+  int side = 0;
+  for (int k = 0; k < 40 && b - a > 1e-9 * (high - low); ++k) {
+    double x = fa - fb > 0 ? (fa * b - fb * a) / (fa - fb) : 0.5 * (a + b);
+    if (!(x > a && x < b))
+      x = 0.5 * (a + b);
+    const double fx = guardInside(guard, x);
+    if (std::isnan(fx))
+      break;
+    if (fx >= 0) {
+      a = x;
+      fa = fx;
+      if (side == 1)
+        fb *= 0.5;
+      side = 1;
+    } else {
+      b = x;
+      fb = fx;
+      if (side == -1)
+        fa *= 0.5;
+      side = -1;
+    }
+  }
+  if (first.guard < 0 || b < first.time)
+    first = {guard, b, low, high};
+}
+
+// A gap that may come near zero between the samples: its own rates could take it there.
+bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
+  if (dynamics_.guards()[guard].kind != GuardKind::Gap || !armed_[guard])
+    return false;
+  const double h = b.time - a.time;
+  const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
+  return std::min(a.value[guard], b.value[guard]) < reach;
+}
+
+// Gaps have rates: an interval in which one may dip is halved until the cubic through the ends predicts the middle well enough to decide.
+void EventDetection::examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first) {
+  bool divide = false;
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+    const int guard = static_cast<int>(k);
+    if (!armed_[k] && a.value[k] > threshold(guard))
+      armed_[k] = 1;
+    if (b.value[k] < (armed_[k] ? 0 : -threshold(guard)))
+      bracket(guard, a.time, a.value[k], b.time, b.value[k], first);
+    divide = divide || mayDip(guard, a, b);
+  }
+  if (!divide || depth >= deepest)
+    return;
+  const double h = b.time - a.time;
+  Sample &middle = pool_[depth];
+  if (!sampleInside(0.5 * (a.time + b.time), middle))
+    return;
+  bool again = false;
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+    const int guard = static_cast<int>(k);
+    if (!mayDip(guard, a, b))
+      continue;
+    const double error = std::abs(hermite(a.value[k], a.rate[k], b.value[k], b.rate[k], h, 0.5) - middle.value[k]);
+    double place = 0;
+    const double left = hermiteMinimum(a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h, place);
+    const double right = hermiteMinimum(middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h, place);
+    // The cubics on the halves are about sixteen times better than the one on the whole.
+    again = again || middle.value[k] < 0 || std::min({left, right, middle.value[k]}) < 0.25 * error || left < 0 || right < 0;
+  }
+  if (!again)
+    return;
+  examine(a, middle, depth + 1, first);
+  if (first.guard < 0 || first.time > middle.time)
+    examine(middle, b, depth + 1, first);
+}
+
+// Forces, slips and conditions have no rates: the parabola through three samples shows a dip between them.
+void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
+  const double h = b.time - a.time;
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+    if (dynamics_.guards()[k].kind == GuardKind::Gap || !armed_[k] || middle.value[k] < 0 || b.value[k] < 0)
+      continue;
+    const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
+    const double slope = b.value[k] - a.value[k];
+    if (!(curvature > 0))
+      continue;
+    const double s = 0.5 - slope / (2 * curvature);
+    if (!(s > 0 && s < 1))
+      continue;
+    const double least = middle.value[k] - slope * slope / (8 * curvature);
+    if (least > 0.2 * std::min({a.value[k], middle.value[k], b.value[k]}))
+      continue;
+    const double time = a.time + s * h;
+    const double value = guardInside(static_cast<int>(k), time);
+    if (value < 0)
+      bracket(static_cast<int>(k), time < middle.time ? a.time : middle.time, time < middle.time ? a.value[k] : middle.value[k], time,
+              value, first);
+  }
+}
+
+DetectedEvent EventDetection::detect() {
+  DetectedEvent first;
+  if (dynamics_.guards().empty())
+    return first;
+  begin_.time = integrator_->beginTime();
+  if (!sample(integrator_->endTime(), integrator_->end(), end_))
+    return first;
+  Sample &middle = middle_;
+  if (!sampleInside(0.5 * (begin_.time + end_.time), middle))
+    return first;
+  examine(begin_, middle, 0, first);
+  if (first.guard < 0 || first.time > middle.time)
+    examine(middle, end_, 0, first);
+  examineForces(begin_, middle, end_, first);
+  return first;
+}
+
+void EventDetection::advance() {
+  for (std::size_t k = 0; k < armed_.size(); ++k)
+    if (end_.value[k] > threshold(static_cast<int>(k)))
+      armed_[k] = 1;
+  std::swap(begin_, end_);
+}
+
+bool EventDetection::locate(DetectedEvent &event) {
+  const int guard = event.guard;
+  const double offset = armed_[guard] ? 0 : threshold(guard);
+  double low = integrator_->beginTime(), high = event.high;
+  double x = std::min(event.time, high), previous = 0, previousValue = 0;
+  bool hasPrevious = false;
+  for (int k = 0; k < 60; ++k) {
+    if (!integrator_->shorten(x) || !sample(x, integrator_->end(), end_))
+      return false;
+    const double value = end_.value[guard] + offset;
+    (value >= 0 ? low : high) = x;
+    event.time = x;
+    const double resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(x), high - low);
+    if (value == 0 || high - low <= resolution)
+      return true;
+    double slope = end_.rate[guard];
+    if (std::isnan(slope))
+      slope = hasPrevious ? (value - previousValue) / (x - previous) : -1 / std::max(1e-6 * (high - low), resolution) * std::abs(value);
+    double next = x - value / slope;
+    if (hasPrevious && std::abs(next - x) <= resolution && std::abs(previous - x) <= 1e-5 * std::max(high - low, resolution))
+      return true;
+    if (!(next > low && next < high)) {
+      // The interpolant's root and the element's own may lie on either side of the bracket's end.
+      if (value >= 0 && next >= high && k < 3 && !hasPrevious) {
+        high = std::min(x + 4 * std::abs(next - x), integrator_->beginTime() + 2 * (high - integrator_->beginTime()));
+        next = std::min(next, high);
+      } else {
+        next = 0.5 * (low + high);
+      }
+    }
+    if (std::abs(next - x) <= 0.5 * resolution)
+      return true;
+    previous = x;
+    previousValue = value;
+    hasPrevious = true;
+    x = next;
+  }
+  return true;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,57 @@
+// Where a guard of the mode falls to zero within a step (theory.md section 6: switches are never missed within a step, a gap that dips and
+// returns is found).
+#pragma once
+
+#include "runtime/integrate/smooth_integrator.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+struct DetectedEvent {
+  int guard = -1;            // in ModeDynamics::guards(), −1: none
+  double time = 0;           // estimate from the interpolant
+  double low = 0, high = 0;  // bracket: the guard is ≥ 0 at low and < 0 at high
+};
+
+class EventDetection {
+public:
+  EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integrator);
+
+  void setIntegrator(SmoothIntegrator &integrator) { integrator_ = &integrator; }
+  // A new mode begins at (time, state), where the dynamics has just been evaluated.
+  void restart(double time, const double *state);
+  // The guards changed within the mode.
+  void guardsChanged(double time, const double *state) { restart(time, state); }
+  // Guards at the end of the integrator's last step must be evaluable: looks for the first event in that step.
+  DetectedEvent detect();
+  // The step ended without an event: its end is the begin of the next one.
+  void advance();
+  // Ends the integrator's step where the guard is zero, with the step's length as an unknown: to rounding, at the order of the method.
+  bool locate(DetectedEvent &event);
+
+private:
+  struct Sample {
+    double time = 0;
+    std::vector<double> value, rate;
+  };
+
+  bool sample(double time, const double *state, Sample &sample);
+  bool sampleInside(double time, Sample &sample);
+  bool mayDip(int guard, const Sample &a, const Sample &b) const;
+  void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
+  void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
+  void bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first);
+  double threshold(int guard) const;
+  double guardInside(int guard, double time);
+
+  ModeDynamics &dynamics_;
+  SmoothIntegrator *integrator_;
+  std::vector<std::uint8_t> armed_;  // the guard has been clearly positive in this mode
+  bool needsForces_ = false;
+  Sample begin_, middle_, end_, inside_;
+  std::vector<Sample> pool_;  // one middle for each depth of the search
+  std::vector<double> state_, scratch_;
+};
+
+}  // namespace tf::runtime

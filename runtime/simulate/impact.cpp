@@ -1,0 +1,62 @@
+#include "runtime/simulate/impact.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cassert>
+
+namespace tf::runtime {
+
+void Impact::assemble(double time, const double *state, const std::vector<int> &contacts) {
+  const tf_model &model = at_.model();
+  at_.setPoint(time, state);
+  at_.dynamics();
+  std::fill(mask_.begin(), mask_.end(), std::uint8_t{0});
+  for (int i : contacts)
+    mask_[i] = 1;
+  at_.contactTerms(mask_.data());
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  std::vector<int> tangents;
+  for (int i : contacts)
+    for (int k = 0; k < model.contacts[i].tangent_count; ++k)
+      if (at_.friction[i] > 0)
+        tangents.push_back(model.contacts[i].tangent_first + k);
+  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
+  rows_.choose(model, contacts, tangents, problem_);
+  rows_.assemble(at_, problem_.delassus, problem_);
+  for (std::size_t i = 0; i < contacts.size(); ++i) {
+    problem_.normalVelocity[i] = at_.gapRate[contacts[i]];
+    problem_.rate[i] = at_.rate[contacts[i]];
+  }
+  for (std::size_t j = 0; j < tangents.size(); ++j)
+    problem_.slipVelocity[j] = at_.slip[tangents[j]];
+}
+
+bool Impact::apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse) {
+  const tf_model &model = at_.model();
+  assemble(time, state, contacts);
+  int forcedRow = -1;
+  if (forced >= 0) {
+    const auto place = std::find(contacts.begin(), contacts.end(), forced);
+    assert(place != contacts.end());
+    forcedRow = static_cast<int>(place - contacts.begin());
+  }
+  const FrozenResult &result = phase_.run(problem_, forcedRow);
+  breakpoints_ = result.breakpointCount;
+  if (result.status != FrozenStatus::Finished) {
+    std::string names;
+    for (int row : result.rows)
+      names += fmt::format("{}'{}'", names.empty() ? "" : ", ", model.contacts[contacts[row]].name);
+    text_ = result.status == FrozenStatus::Cycle
+                ? fmt::format("the impact of {} repeats the same sequence of contacts without end", names)
+                : fmt::format("the impact of {} never ends: the contact cannot give way to any impulse", names);
+    return false;
+  }
+  rows_.accelerate(result.impulse.data(), state + model.nq);
+  state[at_.stateSize() - 1] += result.duration;
+  for (std::size_t i = 0; i < contacts.size(); ++i)
+    normalImpulse[contacts[i]] += result.impulse[i];
+  return true;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,36 @@
+// Impacts: the frozen phase of all contacts with closed gap, applied to the velocities of a model (theory.md section 3).
+#pragma once
+
+#include "runtime/contact/frozen_phase.h"
+#include "runtime/integrate/model_evaluation.h"
+#include "runtime/integrate/row_system.h"
+
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+
+class Impact {
+public:
+  explicit Impact(ModelEvaluation &evaluation) : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf) {}
+
+  // Moves the velocities in `state` by the impulses of the contacts `contacts` (closed gaps) and tau by the phase's duration. `forced`: the
+  // contact that starts a frictional impulse, or −1. `normalImpulse` [nc] is added to. False: the impact has no end, see text().
+  bool apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse);
+
+  [[nodiscard]] const std::string &text() const { return text_; }
+  [[nodiscard]] int breakpoints() const { return breakpoints_; }
+
+private:
+  void assemble(double time, const double *state, const std::vector<int> &contacts);
+
+  ModelEvaluation &at_;
+  RowSystem rows_;
+  FrozenProblem problem_;
+  FrozenPhase phase_;
+  std::vector<std::uint8_t> mask_;
+  std::string text_;
+  int breakpoints_ = 0;
+};
+
+}  // namespace tf::runtime

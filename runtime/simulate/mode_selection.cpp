@@ -1,0 +1,263 @@
+#include "runtime/simulate/mode_selection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+ModeSelection::ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances)
+    : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), candidates_(at_.model().nc),
+      mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()), freeAcceleration_(at_.model().nv) {}
+
+double ModeSelection::velocityTolerance(const double *state) const {
+  const tf_model &model = at_.model();
+  double largest = 1;
+  for (int i = 0; i < model.nv; ++i)
+    largest = std::max(largest, std::abs(state[model.nq + i]));
+  return tolerances_.velocity * largest;
+}
+
+std::vector<int> ModeSelection::touching(double time, const double *state, bool approaching) {
+  const tf_model &model = at_.model();
+  std::vector<int> contacts;
+  if (model.nc == 0)
+    return contacts;
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Gaps);
+  const double tolerance = velocityTolerance(state);
+  for (int i = 0; i < model.nc; ++i)
+    if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && (!approaching || at_.gapRate[i] < -tolerance))
+      contacts.push_back(i);
+  return contacts;
+}
+
+// Off its surface a switch has the sign of c. On it, the order of preference is: what the event says, the relation as written, the
+// other side, sliding; the first one that is consistent is taken, so that sliding is chosen where both sides point inwards only.
+void ModeSelection::classifySwitches(const Mode &previous, SwitchHint hint) {
+  const tf_model &model = at_.model();
+  surfaces_.clear();
+  choices_.clear();
+  mode_.switches.assign(model.ns, Switch::Zero);
+  for (int j = 0; j < model.ns; ++j) {
+    const double c = at_.condition[j];
+    const bool hinted = hint.index == j;
+    const bool slid = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
+    if (!hinted && !slid && std::abs(c) > tolerances_.condition) {
+      mode_.switches[j] = c > 0 ? Switch::One : Switch::Zero;
+      continue;
+    }
+    surfaces_.push_back(j);
+    const Switch written = model.switches[j].zero_is_positive != 0 ? Switch::One : Switch::Zero;
+    const Switch other = written == Switch::One ? Switch::Zero : Switch::One;
+    std::vector<Switch> order;
+    if (hinted)
+      order = {hint.value, hint.value == Switch::One ? Switch::Zero : Switch::One};
+    else if (slid)
+      order = {Switch::Sliding, written, other};
+    else
+      order = {written, other};
+    if (model.switches[j].kind == TF_SWITCH_SLIDING && !slid)
+      order.push_back(Switch::Sliding);
+    choices_.push_back(order);
+  }
+}
+
+void ModeSelection::chooseRows(double time, const double *state, const Mode &previous) {
+  const tf_model &model = at_.model();
+  const double velocityTolerance = this->velocityTolerance(state);
+  std::vector<int> contacts, tangents;
+  for (int i = 0; i < model.nc; ++i) {
+    candidates_[i] = at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && std::abs(at_.gapRate[i]) <= velocityTolerance;
+    mask_[i] = candidates_[i];
+    if (candidates_[i])
+      contacts.push_back(i);
+  }
+  std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
+  at_.setPoint(time, state);
+  at_.contactTerms(mask_.data());
+  const std::vector<int> owner = contactsOfTangents(model);
+  for (int j = 0; j < model.nt; ++j)
+    if (owner[j] < 0 || (candidates_[owner[j]] && at_.friction[owner[j]] > 0))
+      tangents.push_back(j);
+  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
+  rows_.choose(model, contacts, tangents, problem_);
+  rates_.resize(problem_.normalCount, problem_.tangentCount);
+  for (std::size_t j = 0; j < tangents.size(); ++j) {
+    const double slip = at_.slip[tangents[j]];
+    problem_.slipSign[j] = slip > velocityTolerance ? 1 : slip < -velocityTolerance ? -1 : 0;
+  }
+  previousContacts_.resize(problem_.normalCount, problem_.tangentCount);
+  readPrevious(previous);
+}
+
+void ModeSelection::readPrevious(const Mode &previous) {
+  for (int i = 0; i < problem_.normalCount; ++i)
+    previousContacts_.closed[i] = previous.closed[rows_.contacts()[i]];
+  for (int j = 0; j < problem_.tangentCount; ++j) {
+    const Tangent tangent = previous.tangent[rows_.tangents()[j]];
+    previousContacts_.slip[j] = static_cast<std::int8_t>(tangent == Tangent::None ? 0 : static_cast<int>(tangent));
+  }
+}
+
+void ModeSelection::writeMode(const ContactMode &contacts) {
+  const tf_model &model = at_.model();
+  mode_.closed.assign(model.nc, 0);
+  mode_.tangent.assign(model.nt, Tangent::None);
+  for (int i = 0; i < problem_.normalCount; ++i)
+    mode_.closed[rows_.contacts()[i]] = contacts.closed[i];
+  for (int j = 0; j < problem_.tangentCount; ++j) {
+    const int owner = problem_.owner[j];
+    if (owner < 0 || contacts.closed[owner])
+      mode_.tangent[rows_.tangents()[j]] = static_cast<Tangent>(contacts.slip[j]);
+  }
+}
+
+// The contact mode for the current step variables.
+ModeSelection::Trial ModeSelection::solveContacts(double time, const double *state) {
+  at_.setPoint(time, state);
+  if (!at_.dynamics())
+    return Trial::Failed;
+  if (rows_.count() == 0) {
+    writeMode(previousContacts_);
+    return Trial::Consistent;
+  }
+  at_.contactTerms(mask_.data());
+  rows_.assemble(at_, problem_.delassus, problem_);
+  at_.mass.solve(at_.force.data(), freeAcceleration_.data());
+  rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
+  const ContactSolution &solution = solver_.solve(problem_, &previousContacts_);
+  worstViolation_ = std::max(worstViolation_, solution.violation);
+  if (solution.status == ContactStatus::Inconsistent) {
+    forced_ = rows_.contacts()[solution.forced];
+    return Trial::FrictionalImpulse;
+  }
+  if (solution.status == ContactStatus::Unsettled) {
+    text_ = fmt::format("the contact problem has no solution that could be found (largest violation {:.2e})", solution.violation);
+    return Trial::Failed;
+  }
+  indeterminate_ = solution.status == ContactStatus::Indeterminate;
+  writeMode(solution.mode);
+  if (solution.degenerate.empty())
+    return Trial::Consistent;
+  const ContactSolution undecided = solution;
+  if (!dynamics_.start(mode_, time, state) || !dynamics_.evaluate(time, state, rate_.data()))
+    return Trial::Consistent;
+  dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
+  writeMode(solver_.resolve(problem_, undecided, rates_, &previousContacts_).mode);
+  return Trial::Consistent;
+}
+
+// Signs of d c/dt on the surfaces agree with the sides that were assigned.
+bool ModeSelection::conditionsHold(double time, const double *state) {
+  if (surfaces_.empty())
+    return true;
+  const tf_model &model = at_.model();
+  const int nx = at_.columns();
+  std::vector<std::uint8_t> mask(model.ns, 0);
+  for (int j : surfaces_)
+    mask[j] = 1;
+  at_.setPoint(time, state);
+  at_.switchGradients(mask.data());
+  for (std::size_t s = 0; s < surfaces_.size(); ++s) {
+    const int j = surfaces_[s];
+    const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * nx;
+    double slope = 0, size = 0;
+    const auto accumulate = [&](double gradient, double rate) {
+      slope += gradient * rate;
+      size += std::abs(gradient * rate);
+    };
+    const int states = model.nq + model.nv + model.nz;
+    for (int k = 0; k < states; ++k)
+      accumulate(row[k], rate_[k]);
+    for (int k = 0; k < model.nu; ++k)
+      accumulate(row[states + k], at_.inputRate[k]);
+    accumulate(row[nx - 1], 1);
+    const double tolerance = 1e-10 * std::max(size, 1e-300);
+    if (mode_.switches[j] == Switch::One && slope < -tolerance)
+      return false;
+    if (mode_.switches[j] == Switch::Zero && slope > tolerance)
+      return false;
+    if (mode_.switches[j] == Switch::Sliding && (at_.stepVariable[j] < -1e-9 || at_.stepVariable[j] > 1 + 1e-9))
+      return false;
+  }
+  return true;
+}
+
+ModeSelection::Trial ModeSelection::tryAssignment(double time, const double *state) {
+  const tf_model &model = at_.model();
+  bool sliding = false;
+  for (int j = 0; j < model.ns; ++j) {
+    if (mode_.switches[j] == Switch::Sliding) {
+      sliding = true;
+      at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.1, 0.9);
+    } else {
+      at_.stepVariable[j] = mode_.switches[j] == Switch::One ? 1 : 0;
+    }
+  }
+  // The contact mode and sliding step variables depend on each other.
+  Mode found;
+  for (int pass = 0; pass < 8; ++pass) {
+    const Trial contacts = solveContacts(time, state);
+    if (contacts != Trial::Consistent)
+      return contacts;
+    if (!dynamics_.start(mode_, time, state) || !dynamics_.evaluate(time, state, rate_.data()))
+      return sliding ? Trial::Inconsistent : Trial::Failed;
+    if (!sliding || found == mode_)
+      return conditionsHold(time, state) ? Trial::Consistent : Trial::Inconsistent;
+    found = mode_;
+  }
+  return Trial::Inconsistent;
+}
+
+Selection ModeSelection::select(double time, const double *state, const Mode &previous, SwitchHint hint) {
+  Selection result;
+  const tf_model &model = at_.model();
+  text_.clear();
+  at_.setPoint(time, state);
+  at_.switching();
+  const double velocityTolerance = this->velocityTolerance(state);
+  for (int i = 0; i < model.nc; ++i)
+    if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && at_.gapRate[i] < -velocityTolerance) {
+      result.status = SelectionStatus::Impact;
+      return result;
+    }
+  classifySwitches(previous, hint);
+  chooseRows(time, state, previous);
+  // Assignments in the order of preference, the first surface varying fastest.
+  std::vector<std::size_t> choice(surfaces_.size(), 0);
+  Trial trial = Trial::Inconsistent;
+  for (;;) {
+    for (std::size_t s = 0; s < surfaces_.size(); ++s)
+      mode_.switches[surfaces_[s]] = choices_[s][choice[s]];
+    trial = tryAssignment(time, state);
+    if (trial != Trial::Inconsistent)
+      break;
+    std::size_t s = 0;
+    while (s < choice.size() && ++choice[s] == choices_[s].size())
+      choice[s++] = 0;
+    if (s == choice.size())
+      break;
+  }
+  result.mode = mode_;
+  result.indeterminate = indeterminate_;
+  switch (trial) {
+  case Trial::Consistent:
+    result.status = SelectionStatus::Selected;
+    break;
+  case Trial::FrictionalImpulse:
+    result.status = SelectionStatus::FrictionalImpulse;
+    result.contact = forced_;
+    break;
+  case Trial::Inconsistent:
+    result.text = fmt::format("no consistent continuation of the switches at '{}'", model.switches[surfaces_.front()].text);
+    break;
+  case Trial::Failed:
+    result.text = text_;
+    break;
+  }
+  return result;
+}
+
+}  // namespace tf::runtime

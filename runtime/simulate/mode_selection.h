@@ -1,0 +1,84 @@
+// The mode right after an instant: contact problem at acceleration level, decided by the next derivative where it is degenerate, together
+// with the Filippov conditions of the switches that are on their surfaces (theory.md sections 2, 5 and 6).
+#pragma once
+
+#include "runtime/contact/contact_solver.h"
+#include "runtime/integrate/mode_dynamics.h"
+
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+
+struct SelectionTolerances {
+  double gap = 1e-10;        // · nominal of the contact: the contact is closed
+  double velocity = 1e-11;   // · largest velocity, at least 1: gap rate or slip is zero
+  double condition = 1e-11;  // · max(1, |c| of the rates): the switch is on its surface
+};
+
+enum class SelectionStatus : std::uint8_t {
+  Selected,
+  Impact,             // a closed contact approaches
+  FrictionalImpulse,  // no consistent contact forces (Painlevé): `contact` pushes
+  Failed              // see text
+};
+
+struct Selection {
+  SelectionStatus status = SelectionStatus::Failed;
+  Mode mode;
+  int contact = -1;
+  bool indeterminate = false;  // several solutions; the most open one was taken
+  std::string text;
+};
+
+// What an event says about a switch: it has just left its sliding mode on this side.
+struct SwitchHint {
+  int index = -1;
+  Switch value = Switch::Zero;
+};
+
+class ModeSelection {
+public:
+  ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances = {});
+
+  // The dynamics is started in the mode that is returned (status Selected).
+  Selection select(double time, const double *state, const Mode &previous, SwitchHint hint = {});
+
+  // Contacts with gap ≤ tolerance at the state; `approaching`: only those whose gap rate is below −tolerance.
+  [[nodiscard]] std::vector<int> touching(double time, const double *state, bool approaching);
+  [[nodiscard]] double velocityTolerance(const double *state) const;
+  [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
+  [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }
+  [[nodiscard]] double worstViolation() const { return worstViolation_; }
+
+private:
+  enum class Trial : std::uint8_t { Consistent, Inconsistent, FrictionalImpulse, Failed };
+
+  void classifySwitches(const Mode &previous, SwitchHint hint);
+  void chooseRows(double time, const double *state, const Mode &previous);
+  Trial tryAssignment(double time, const double *state);
+  Trial solveContacts(double time, const double *state);
+  bool conditionsHold(double time, const double *state);
+  void writeMode(const ContactMode &contacts);
+  void readPrevious(const Mode &previous);
+
+  ModeDynamics &dynamics_;
+  ModelEvaluation &at_;
+  SelectionTolerances tolerances_;
+  ContactSolver solver_;
+  RowSystem rows_;
+  ContactProblem problem_;
+  ContactMode previousContacts_;
+  ContactRates rates_;
+  Mode mode_;
+  std::vector<int> surfaces_;                    // switches on their surfaces
+  std::vector<std::vector<Switch>> choices_;     // of each, in order of preference
+  std::vector<std::uint8_t> candidates_, mask_;  // nc; nc + nf
+  std::vector<double> rate_, freeAcceleration_;
+  int forced_ = -1;
+  bool indeterminate_ = false;
+  double worstViolation_ = 0;
+  std::string text_;
+};
+
+}  // namespace tf::runtime

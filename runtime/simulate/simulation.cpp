@@ -1,0 +1,577 @@
+#include "runtime/simulate/simulation.h"
+
+#include "runtime/integrate/cvode_integrator.h"
+#include "runtime/integrate/dormand_prince.h"
+#include "runtime/integrate/element_integrator.h"
+#include "runtime/integrate/radau.h"
+#include "runtime/simulate/event_detection.h"
+#include "runtime/simulate/impact.h"
+#include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/variable_values.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+// Events without progress of physical time before a run is given up.
+constexpr int mostEventsAtOneTime = 200;
+
+}  // namespace
+
+class Simulation::Implementation {
+public:
+  Implementation(Simulation &owner, ModelInstance &instance, InputSignals &inputs)
+      : owner_(owner), model_(instance.model()), instance_(instance), inputs_(inputs), at_(model_, inputs), dynamics_(at_),
+        selection_(dynamics_), impact_(at_), values_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_), before_(n_),
+        impulse_(model_.nc), beforeValues_(model_.variable_count) {}
+
+  tf_status initialise(double startTime);
+  tf_status advanceTo(double time);
+  void values(double *all);
+
+  // Continuation state; plain data.
+  [[nodiscard]] std::size_t stateSize() const;
+  void save(void *buffer);
+  void restore(const void *buffer);
+
+  Simulation &owner_;
+  const tf_model &model_;
+  ModelInstance &instance_;
+  InputSignals &inputs_;
+  ModelEvaluation at_;
+  ModeDynamics dynamics_;
+  ModeSelection selection_;
+  Impact impact_;
+  VariableValues values_;
+  int n_;
+
+  double time_ = 0;
+  std::vector<double> state_, rate_, before_;  // q, v, z, tau; its rate; state before the event that is being handled
+  std::vector<double> impulse_;
+  std::vector<double> beforeValues_;
+  Mode mode_;
+  bool modeValid_ = false;
+  double suggestedStep_ = 0;
+  std::uint64_t inputRevision_ = 0;
+  int eventsHere_ = 0;  // since physical time last moved
+  std::string error_;
+  tf_statistics statistics_ = {};
+  std::vector<double> parameters_;
+
+  std::unique_ptr<SmoothIntegrator> primary_, fallback_;
+  SmoothIntegrator *integrator_ = nullptr;
+  std::unique_ptr<EventDetection> detection_;
+
+private:
+  struct Transition {
+    int kind;
+    int element;
+  };
+
+  tf_status fail(std::string text);
+  tf_status checkSupported();
+  tf_status checkStart();
+  tf_status failEvaluation();
+  std::string describeNonFinite();
+  void makeIntegrators();
+  void useIntegrator(SmoothIntegrator &integrator);
+  void startIntegrator();
+  void enterSegment();
+  tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
+  tf_status freeze(std::vector<Transition> &transitions, int forced);
+  void compareModes(const Mode &from, const Mode &to, std::vector<Transition> &transitions) const;
+  void beginEvent();
+  void report(const std::vector<Transition> &transitions);
+  tf_status step(double limit);
+  tf_status handle(DetectedEvent event);
+  tf_status timeEvent();
+  void commit();
+  void countStep();
+};
+
+tf_status Simulation::Implementation::fail(std::string text) {
+  error_ = std::move(text);
+  return TF_FAILED;
+}
+
+tf_status Simulation::Implementation::checkSupported() {
+  for (int i = 0; i < model_.nc; ++i) {
+    const tf_contact &contact = model_.contacts[i];
+    if (at_.restitution[i] != 0)
+      return fail(fmt::format("contact '{}' has restitution {}: impacts with restitution are not supported yet ({}:{})", contact.name,
+                              at_.restitution[i], contact.location.file, contact.location.line));
+    if (!(at_.rate[i] > 0))
+      return fail(fmt::format("contact '{}' has rate {}; it must be positive ({}:{})", contact.name, at_.rate[i], contact.location.file,
+                              contact.location.line));
+    if (contact.tangent_count > 1)
+      return fail(fmt::format("contact '{}' has a slip of {} components: friction in three dimensions is not supported yet ({}:{})",
+                              contact.name, contact.tangent_count, contact.location.file, contact.location.line));
+  }
+  for (int i = 0; i < model_.nf; ++i)
+    if (model_.frictions[i].tangent_count > 1)
+      return fail(
+          fmt::format("friction element '{}' has a slip of {} components: friction in three dimensions is not supported yet ({}:{})",
+                      model_.frictions[i].name, model_.frictions[i].tangent_count, model_.frictions[i].location.file,
+                      model_.frictions[i].location.line));
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::checkStart() {
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Gaps);
+  for (int i = 0; i < model_.nc; ++i) {
+    const tf_contact &contact = model_.contacts[i];
+    const double tolerance = 1e-9 * std::max(1.0, contact.nominal);
+    if (!std::isfinite(at_.gap[i]))
+      return fail(
+          fmt::format("'{}.gap' is {} at the start ({}:{})", contact.name, at_.gap[i], contact.location.file, contact.location.line));
+    if (at_.gap[i] < -tolerance)
+      return fail(fmt::format("contact '{}' starts with a penetration of {:.6g} ({}:{})", contact.name, -at_.gap[i], contact.location.file,
+                              contact.location.line));
+  }
+  return TF_OK;
+}
+
+std::string Simulation::Implementation::describeNonFinite() {
+  const auto place = [&](tf_kind kind, int index) {
+    const std::int32_t variable = instance_.variableOf(kind, index);
+    const std::string name = instance_.nameOf(kind, index);
+    if (variable < 0)
+      return fmt::format("'{}'", name);
+    const tf_location &where = model_.variables[variable].location;
+    return fmt::format("'{}' ({}:{})", name, where.file != nullptr ? where.file : "", where.line);
+  };
+  for (int i = 0; i < model_.nz; ++i)
+    if (!std::isfinite(at_.stateRate[i]))
+      return fmt::format("{} in {}", at_.stateRate[i], place(TF_KIND_STATE_DERIVATIVE, i));
+  for (int i = 0; i < model_.nv; ++i)
+    if (!std::isfinite(at_.force[i]) || !std::isfinite(at_.massMatrix[i * model_.nv + i]))
+      return fmt::format("{} in {}", std::isfinite(at_.force[i]) ? at_.massMatrix[i * model_.nv + i] : at_.force[i],
+                         place(TF_KIND_ACCELERATION, i));
+  return "a value that is not finite";
+}
+
+tf_status Simulation::Implementation::failEvaluation() {
+  const double time = at_.time();
+  switch (dynamics_.failure()) {
+  case EvaluationFailure::SingularMass: {
+    const int row = std::max(at_.mass.failedRow(), 0);
+    return fail(fmt::format("the mass matrix is singular at t = {:.10g}: no inertia acts on '{}'", time,
+                            instance_.nameOf(TF_KIND_COORDINATE, row)));
+  }
+  case EvaluationFailure::SingularContact:
+    return fail(fmt::format("the contact forces have no solution at t = {:.10g}", time));
+  case EvaluationFailure::SlidingDiverged:
+    return fail(fmt::format("the sliding mode of the switches has no solution at t = {:.10g}", time));
+  default:
+    return fail(fmt::format("{} at t = {:.10g}", describeNonFinite(), time));
+  }
+}
+
+void Simulation::Implementation::makeIntegrators() {
+  const SimulationOptions &options = owner_.options;
+  IntegratorSettings settings;
+  settings.tolerance = options.tolerance;
+  settings.fixedStep = options.fixedStep;
+  settings.scale.assign(n_, 1.0);
+  for (int k = 0; k < model_.variable_count; ++k) {
+    const tf_variable &variable = model_.variables[k];
+    const double nominal = std::abs(variable.nominal) > 0 ? std::abs(variable.nominal) : 1;
+    if (variable.kind == TF_KIND_COORDINATE)
+      settings.scale[variable.index] = nominal;
+    else if (variable.kind == TF_KIND_VELOCITY)
+      settings.scale[model_.nq + variable.index] = nominal;
+    else if (variable.kind == TF_KIND_STATE)
+      settings.scale[model_.nq + model_.nv + variable.index] = nominal;
+  }
+  const int stages = options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3;
+  primary_.reset();
+  fallback_.reset();
+  if (options.integrator == TF_CVODE)
+    primary_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
+  else if (options.integrator == TF_STEP || (options.integrator == TF_AUTO && options.stages > 0))
+    primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<Radau>(n_, stages));
+  else
+    primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<DormandPrince>(n_));
+  if (options.integrator != TF_CVODE && options.fixedStep <= 0)
+    fallback_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
+  detection_ = std::make_unique<EventDetection>(dynamics_, *primary_);
+  integrator_ = primary_.get();
+}
+
+void Simulation::Implementation::useIntegrator(SmoothIntegrator &integrator) {
+  integrator_ = &integrator;
+  detection_->setIntegrator(integrator);
+}
+
+// The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
+void Simulation::Implementation::startIntegrator() {
+  useIntegrator(*primary_);
+  detection_->restart(time_, state_.data());
+  integrator_->start(time_, state_.data(), rate_.data(), suggestedStep_);
+}
+
+void Simulation::Implementation::enterSegment() {
+  const double next = inputs_.nextBreakpoint(time_);
+  at_.setSegment(std::isfinite(next) ? 0.5 * (time_ + next) : time_ + std::max(1.0, std::abs(time_)));
+  inputRevision_ = inputs_.revision();
+}
+
+tf_status Simulation::Implementation::initialise(double startTime) {
+  error_.clear();
+  statistics_ = {};
+  statistics_.worst_gap = std::numeric_limits<double>::infinity();
+  statistics_.worst_normal_force = std::numeric_limits<double>::infinity();
+  time_ = startTime;
+  parameters_.assign(instance_.parameters().begin(), instance_.parameters().end());
+  const Starts starts = instance_.starts(startTime);
+  std::copy(starts.q.begin(), starts.q.end(), state_.begin());
+  std::copy(starts.v.begin(), starts.v.end(), state_.begin() + model_.nq);
+  std::copy(starts.z.begin(), starts.z.end(), state_.begin() + model_.nq + model_.nv);
+  state_[n_ - 1] = startTime;
+  inputs_.setDefaults(starts.u);
+  std::fill(impulse_.begin(), impulse_.end(), 0.0);
+  suggestedStep_ = 0;
+  eventsHere_ = 0;
+  modeValid_ = false;
+  mode_.closed.assign(model_.nc, 0);
+  mode_.tangent.assign(model_.nt, Tangent::None);
+  mode_.switches.clear();
+  for (int i = 0; i < n_; ++i)
+    if (!std::isfinite(state_[i]))
+      return fail(fmt::format("the start of '{}' is {}",
+                              i < model_.nq               ? instance_.nameOf(TF_KIND_COORDINATE, i)
+                              : i < model_.nq + model_.nv ? instance_.nameOf(TF_KIND_VELOCITY, i - model_.nq)
+                                                          : instance_.nameOf(TF_KIND_STATE, i - model_.nq - model_.nv),
+                              state_[i]));
+  if (!at_.setParameters(parameters_.data()))
+    return fail(fmt::format("the mass matrix is singular: no inertia acts on '{}'",
+                            instance_.nameOf(TF_KIND_COORDINATE, std::max(at_.mass.failedRow(), 0))));
+  enterSegment();
+  if (const tf_status status = checkSupported(); status != TF_OK)
+    return status;
+  if (const tf_status status = checkStart(); status != TF_OK)
+    return status;
+  makeIntegrators();
+  // The state of the variables before an impact at the start time needs a mode: all contacts open.
+  std::vector<Transition> transitions;
+  before_ = state_;
+  const bool impact = !selection_.touching(time_, state_.data(), true).empty();
+  if (impact && owner_.onEvent) {
+    Mode open = mode_;
+    open.switches.assign(model_.ns, Switch::Zero);
+    dynamics_.start(open, time_, state_.data());
+    values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
+  }
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  if (impact)
+    report(transitions);
+  return TF_OK;
+}
+
+// From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
+tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
+  const Mode previous = mode_;
+  for (int pass = 0; pass < 50; ++pass) {
+    Selection selection = selection_.select(time_, state_.data(), mode_, hint);
+    ++statistics_.contact_solves;
+    switch (selection.status) {
+    case SelectionStatus::Impact:
+      if (const tf_status status = freeze(transitions, -1); status != TF_OK)
+        return status;
+      continue;
+    case SelectionStatus::FrictionalImpulse:
+      transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
+      if (const tf_status status = freeze(transitions, selection.contact); status != TF_OK)
+        return status;
+      continue;
+    case SelectionStatus::Failed:
+      if (selection.text.empty())
+        return failEvaluation();
+      return fail(fmt::format("{} at t = {:.10g}", selection.text, time_));
+    case SelectionStatus::Selected:
+      break;
+    }
+    mode_ = std::move(selection.mode);
+    modeValid_ = true;
+    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failEvaluation();
+    if (selection.indeterminate)
+      transitions.push_back({TF_EVENT_PAINLEVE, -1});
+    compareModes(previous, mode_, transitions);
+    startIntegrator();
+    return TF_OK;
+  }
+  return fail(fmt::format("no consistent continuation after the impact at t = {:.10g}", time_));
+}
+
+tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
+  const std::vector<int> contacts = selection_.touching(time_, state_.data(), false);
+  const std::vector<int> approaching = selection_.touching(time_, state_.data(), true);
+  if (!impact_.apply(time_, state_.data(), contacts, forced, impulse_.data()))
+    return fail(fmt::format("{} at t = {:.10g}", impact_.text(), time_));
+  ++statistics_.frozen_phases;
+  statistics_.breakpoints += impact_.breakpoints();
+  for (int i : approaching)
+    transitions.push_back({TF_EVENT_IMPACT, i});
+  return TF_OK;
+}
+
+void Simulation::Implementation::compareModes(const Mode &from, const Mode &to, std::vector<Transition> &transitions) const {
+  for (int i = 0; i < model_.nc; ++i)
+    if (from.closed[i] != to.closed[i])
+      transitions.push_back({to.closed[i] ? TF_EVENT_CLOSING : TF_EVENT_OPENING, i});
+  const std::vector<int> owner = contactsOfTangents(model_);
+  for (int j = 0; j < model_.nt; ++j) {
+    const Tangent a = from.tangent[j], b = to.tangent[j];
+    if (a == b || b == Tangent::None)
+      continue;
+    int element = owner[j];
+    if (element < 0)
+      for (int f = 0; f < model_.nf; ++f)
+        if (j >= model_.frictions[f].tangent_first && j < model_.frictions[f].tangent_first + model_.frictions[f].tangent_count)
+          element = model_.nc + f;
+    if (b == Tangent::Stick)
+      transitions.push_back({TF_EVENT_STICK, element});
+    else if (a == Tangent::Stick)
+      transitions.push_back({TF_EVENT_SLIP, element});
+    else if (a != Tangent::None)
+      transitions.push_back({TF_EVENT_SLIP_REVERSAL, element});
+  }
+  if (from.switches.empty())
+    return;
+  for (int j = 0; j < model_.ns; ++j) {
+    if (from.switches[j] == to.switches[j])
+      continue;
+    const int kind = to.switches[j] == Switch::Sliding           ? TF_EVENT_SLIDING
+                     : model_.switches[j].kind == TF_SWITCH_TIME ? TF_EVENT_TIME
+                                                                 : TF_EVENT_STATE;
+    transitions.push_back({kind, model_.nc + model_.nf + j});
+  }
+}
+
+// Remembers the point before an event; the state is the one just before it.
+void Simulation::Implementation::beginEvent() {
+  before_ = state_;
+  if (owner_.onEvent)
+    values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
+}
+
+void Simulation::Implementation::report(const std::vector<Transition> &transitions) {
+  for (const Transition &transition : transitions) {
+    ++statistics_.events[transition.kind];
+    if (owner_.onEvent) {
+      const tf_event event = {time_, state_[n_ - 1], transition.kind, transition.element, before_.data(), state_.data()};
+      owner_.onEvent(event);
+    }
+  }
+}
+
+void Simulation::Implementation::countStep() {
+  ++statistics_.steps;
+  if (integrator_ == fallback_.get() || owner_.options.integrator == TF_CVODE)
+    ++statistics_.cvode_steps;
+  else if (owner_.options.integrator == TF_STEP || (owner_.options.integrator == TF_AUTO && owner_.options.stages > 0))
+    ++statistics_.step_steps;
+  else
+    ++statistics_.explicit_steps;
+}
+
+void Simulation::Implementation::commit() {
+  if (integrator_->endTime() > time_)
+    eventsHere_ = 0;
+  time_ = integrator_->endTime();
+  std::copy_n(integrator_->end(), n_, state_.begin());
+  std::copy_n(integrator_->endRate(), n_, rate_.begin());
+  suggestedStep_ = integrator_ == primary_.get() ? integrator_->suggestedStep() : 0;
+}
+
+tf_status Simulation::Implementation::timeEvent() {
+  beginEvent();
+  enterSegment();
+  std::vector<Transition> transitions = {{TF_EVENT_TIME, -1}};
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  report(transitions);
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::handle(DetectedEvent event) {
+  const Guard guard = dynamics_.guards()[event.guard];
+  if (!detection_->locate(event))
+    return failEvaluation();
+  dynamics_.evaluate(integrator_->endTime(), integrator_->end(), integrator_->endRate());
+  dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+  commit();
+  if (++eventsHere_ > mostEventsAtOneTime)
+    return fail(fmt::format("no consistent continuation: {} events at t = {:.10g} without progress", eventsHere_, time_));
+  // Other least-norm forces of redundant contacts: the same motion, no event.
+  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
+    dynamics_.evaluate(time_, state_.data(), rate_.data());
+    startIntegrator();
+    return TF_OK;
+  }
+  beginEvent();
+  SwitchHint hint;
+  if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
+    hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
+  else if (guard.kind == GuardKind::Condition)
+    hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
+  std::vector<Transition> transitions;
+  if (const tf_status status = settle(transitions, hint); status != TF_OK)
+    return status;
+  report(transitions);
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::step(double limit) {
+  StepStatus status = integrator_->step(limit);
+  if (status != StepStatus::Done && fallback_ && integrator_ != fallback_.get()) {
+    useIntegrator(*fallback_);
+    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failEvaluation();
+    fallback_->start(time_, state_.data(), rate_.data(), 0);
+    status = integrator_->step(limit);
+  }
+  if (status == StepStatus::Unsolvable && dynamics_.failure() != EvaluationFailure::None)
+    return failEvaluation();
+  if (status != StepStatus::Done)
+    return fail(fmt::format("the integrator cannot meet tolerance {:.3g} at t = {:.10g}", owner_.options.tolerance, time_));
+  countStep();
+  const double correction = dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+  if (correction > 1e-13 && !dynamics_.evaluate(integrator_->endTime(), integrator_->end(), integrator_->endRate()))
+    return failEvaluation();
+  const DetectedEvent event = detection_->detect();
+  if (event.guard >= 0)
+    return handle(event);
+  detection_->advance();
+  commit();
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::advanceTo(double time) {
+  if (!modeValid_)
+    return fail("the simulation has not been initialised");
+  if (inputs_.revision() != inputRevision_) {
+    if (const tf_status status = timeEvent(); status != TF_OK)
+      return status;
+  }
+  while (time_ < time) {
+    const double breakpoint = inputs_.nextBreakpoint(time_);
+    const double limit = std::min(time, breakpoint);
+    if (const tf_status status = step(limit); status != TF_OK)
+      return status;
+    if (time_ >= breakpoint)
+      if (const tf_status status = timeEvent(); status != TF_OK)
+        return status;
+  }
+  return TF_OK;
+}
+
+void Simulation::Implementation::values(double *all) {
+  values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
+  for (int i = 0; i < model_.nc; ++i) {
+    statistics_.worst_gap = std::min(statistics_.worst_gap, at_.gap[i]);
+    statistics_.worst_normal_force = std::min(statistics_.worst_normal_force, at_.normalForce[i]);
+  }
+}
+
+// time, state, rate-independent numbers, impulses, mode
+std::size_t Simulation::Implementation::stateSize() const {
+  return (3 + static_cast<std::size_t>(n_) + impulse_.size()) * sizeof(double) + static_cast<std::size_t>(model_.nc) + model_.nt +
+         model_.ns;
+}
+
+void Simulation::Implementation::save(void *buffer) {
+  auto *out = static_cast<unsigned char *>(buffer);
+  const auto write = [&out](const void *data, std::size_t size) {
+    std::memcpy(out, data, size);
+    out += size;
+  };
+  const double numbers[] = {time_, suggestedStep_, static_cast<double>(eventsHere_)};
+  write(numbers, sizeof numbers);
+  write(state_.data(), state_.size() * sizeof(double));
+  write(impulse_.data(), impulse_.size() * sizeof(double));
+  write(mode_.closed.data(), mode_.closed.size());
+  write(mode_.tangent.data(), mode_.tangent.size());
+  write(mode_.switches.data(), mode_.switches.size());
+  // The saved point is where both continuations begin anew.
+  if (modeValid_ && dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    startIntegrator();
+}
+
+void Simulation::Implementation::restore(const void *buffer) {
+  const auto *in = static_cast<const unsigned char *>(buffer);
+  const auto read = [&in](void *data, std::size_t size) {
+    std::memcpy(data, in, size);
+    in += size;
+  };
+  double numbers[3];
+  read(numbers, sizeof numbers);
+  time_ = numbers[0];
+  suggestedStep_ = numbers[1];
+  eventsHere_ = static_cast<int>(numbers[2]);
+  read(state_.data(), state_.size() * sizeof(double));
+  read(impulse_.data(), impulse_.size() * sizeof(double));
+  mode_.switches.resize(model_.ns);
+  read(mode_.closed.data(), mode_.closed.size());
+  read(mode_.tangent.data(), mode_.tangent.size());
+  read(mode_.switches.data(), mode_.switches.size());
+  error_.clear();
+  enterSegment();
+  modeValid_ = dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data());
+  if (modeValid_)
+    startIntegrator();
+}
+
+Simulation::Simulation(ModelInstance &instance, InputSignals &inputs)
+    : implementation_(std::make_unique<Implementation>(*this, instance, inputs)) {}
+
+Simulation::~Simulation() = default;
+
+tf_status Simulation::initialise(double startTime) { return implementation_->initialise(startTime); }
+
+tf_status Simulation::advanceTo(double time) { return implementation_->advanceTo(time); }
+
+double Simulation::time() const { return implementation_->time_; }
+
+double Simulation::tau() const { return implementation_->state_.back(); }
+
+void Simulation::values(double *all) { implementation_->values(all); }
+
+void Simulation::valuesBeforeEvent(double *all) {
+  std::copy(implementation_->beforeValues_.begin(), implementation_->beforeValues_.end(), all);
+}
+
+const std::string &Simulation::errorText() const { return implementation_->error_; }
+
+const tf_statistics &Simulation::statistics() const {
+  Implementation &run = *implementation_;
+  tf_statistics &statistics = run.statistics_;
+  statistics.rejected_steps = statistics.jacobians = statistics.newton_iterations = 0;
+  for (const SmoothIntegrator *integrator : {run.primary_.get(), run.fallback_.get()})
+    if (integrator != nullptr) {
+      statistics.rejected_steps += integrator->statistics().rejected;
+      statistics.jacobians += integrator->statistics().jacobians;
+      statistics.newton_iterations += integrator->statistics().iterations;
+    }
+  statistics.evaluations = run.dynamics_.evaluations();
+  statistics.worst_residual = run.selection_.worstViolation();
+  return statistics;
+}
+
+std::size_t Simulation::stateSize() const { return implementation_->stateSize(); }
+
+void Simulation::save(void *buffer) const { implementation_->save(buffer); }
+
+void Simulation::restore(const void *buffer) { implementation_->restore(buffer); }
+
+}  // namespace tf::runtime

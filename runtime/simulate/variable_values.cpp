@@ -1,0 +1,73 @@
+#include "runtime/simulate/variable_values.h"
+
+#include "runtime/contact/time_speed.h"
+
+#include <algorithm>
+
+namespace tf::runtime {
+
+VariableValues::VariableValues(ModeDynamics &dynamics)
+    : dynamics_(dynamics), rate_(dynamics.size()), outputs_(dynamics.model().model().no) {}
+
+double VariableValues::value(const tf_variable &variable, double time, const double *state, const double *impulse,
+                             const double *parameters) const {
+  const ModelEvaluation &at = dynamics_.model();
+  const tf_model &model = at.model();
+  const int i = variable.index;
+  switch (static_cast<tf_kind>(variable.kind)) {
+  case TF_KIND_TIME:
+    return time;
+  case TF_KIND_NUMERICAL_TIME:
+    return state[model.nq + model.nv + model.nz];
+  case TF_KIND_COORDINATE:
+    return state[i];
+  case TF_KIND_VELOCITY:
+    return state[model.nq + i];
+  case TF_KIND_ACCELERATION:
+    return at.acceleration[i];
+  case TF_KIND_STATE:
+    return state[model.nq + model.nv + i];
+  case TF_KIND_STATE_DERIVATIVE:
+    return at.stateRate[i];
+  case TF_KIND_INPUT:
+    return at.input[i];
+  case TF_KIND_PARAMETER:
+    return parameters[i];
+  case TF_KIND_OUTPUT:
+    return outputs_[i];
+  case TF_KIND_GAP:
+    return at.gap[i];
+  case TF_KIND_NORMAL_FORCE:
+    return at.normalForce[i];
+  case TF_KIND_TANGENT_FORCE:
+    return at.tangentForce[i];
+  case TF_KIND_SLIP:
+    return at.slip[i];
+  case TF_KIND_CLOSED:
+    return dynamics_.mode().closed[i];
+  case TF_KIND_STICKING:
+    return dynamics_.mode().tangent[i] == Tangent::Stick ? 1 : 0;
+  case TF_KIND_IMPULSE:
+    return impulse[i];
+  case TF_KIND_TIME_SPEED:
+    return dynamics_.timeSpeed();
+  case TF_KIND_STEP_VARIABLE:
+    return at.stepVariable[i];
+  }
+  return 0;
+}
+
+bool VariableValues::evaluate(double time, const double *state, const double *impulse, const double *parameters, double *all) {
+  const bool good = dynamics_.evaluate(time, state, rate_.data());
+  ModelEvaluation &at = dynamics_.model();
+  const tf_model &model = at.model();
+  at.setPoint(time, state);
+  at.switching();
+  if (model.no > 0)
+    at.evaluateOutputs(outputs_.data());
+  for (int k = 0; k < model.variable_count; ++k)
+    all[k] = value(model.variables[k], time, state, impulse, parameters);
+  return good;
+}
+
+}  // namespace tf::runtime
