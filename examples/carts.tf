@@ -1,4 +1,4 @@
-// Two carts on a track collide without rebound (restitution 0) and go on together until the spring behind the second one, which may only push,
+// Two carts on a track collide without rebound (restitution 0) and go on together until the buffer behind the second one
 // throws the first one back. The contact opens by itself where its force falls to zero.
 //
 //   tfc run carts.tf --event-log events.csv
@@ -8,7 +8,7 @@ model Carts "plastic collision of two carts"
   parameter Real k(unit = "N/m") = 12 "stiffness of the buffer behind the second cart";
   coordinate Real x[2](start = {0, 1}, der(start = {2, 0}), each unit = "m") "positions";
   body cart[2](mass = m, position = x);
-  force buffer(value = -k*(x[2] - 1), at = x[2]);
+  potential buffer(energy = k*(x[2] - 1)^2/2);
   contact bumper(gap = x[2] - x[1] - w);
   annotation(experiment(StopTime = 3, Tolerance = 1e-9));
 end Carts;

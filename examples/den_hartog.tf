@@ -2,7 +2,7 @@
 // more in a period (J. P. Den Hartog, Forced vibrations with combined Coulomb and viscous friction, 1931).
 //
 //   tfc run den_hartog.tf --event-log events.csv
-//   tfc run den_hartog.tf --set w=0.25        several stops in each half period
+//   tfc run den_hartog.tf --set w=0.25        long stops
 model DenHartog "forced oscillator with dry and viscous friction"
   parameter Real m(unit = "kg") = 1 "mass";
   parameter Real k(unit = "N/m") = 1 "stiffness";

@@ -5,13 +5,13 @@
 model Thermostat "ideal thermostat: sliding along the set point"
   parameter Real setpoint = 20 "set point in degrees Celsius";
   parameter Real loss = 0.2 "heat loss of the room per hour";
-  parameter Real power = 4 "heating rate of the heater in K/h";
+  parameter Real power = 6 "heating rate of the heater in K/h";
   Real T(start = 12, fixed = true) "room temperature";
   Real used(start = 0, fixed = true) "heat used, as warming of the room";
-  Real outside = 6 - 1.5*time "outside temperature, time in hours";
+  Real outside = 6 - time "outside temperature, time in hours";
   Real heating = if T < setpoint then power else 0;
 equation
   der(T) = -loss*(T - outside) + heating;
   der(used) = heating;
-  annotation(experiment(StopTime = 10, Tolerance = 1e-9));
+  annotation(experiment(StopTime = 24, Tolerance = 1e-9));
 end Thermostat;

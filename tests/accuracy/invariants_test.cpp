@@ -1,0 +1,77 @@
+// What holds in every run: no penetration, no pulling contact, friction inside its cone, no energy out of nothing.
+#include "tests/accuracy/compiled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <ostream>
+
+namespace tf::test {
+namespace {
+
+struct Case {
+  const char *file;
+  bool isFree;  // nothing does work on it: the energy may only fall
+};
+
+std::ostream &operator<<(std::ostream &out, const Case &c) { return out << c.file; }
+
+class Invariants : public testing::TestWithParam<Case> {};
+
+TEST_P(Invariants, HoldAtEveryOutput) {
+  CompiledModel model(example(GetParam().file));
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE}) {
+    model.tolerance(1e-8).integrator(integrator).initialise();
+    double energy = model.energy();
+    const double scale = std::max(1.0, std::abs(energy)), end = model.model().stop_time;
+    for (int i = 1; i <= 997; ++i) {
+      model.advance(end * i / 997);
+      for (const double gap : model.valuesOf(TF_KIND_GAP)) {
+        ASSERT_GE(gap, -1e-10) << "t = " << model.time() << ", integrator " << integrator;
+      }
+      for (const double force : model.valuesOf(TF_KIND_NORMAL_FORCE)) {
+        ASSERT_GE(force, 0) << "t = " << model.time() << ", integrator " << integrator;
+      }
+      if (GetParam().isFree) {
+        const double now = model.energy();
+        ASSERT_LE(now, energy + 1e-8 * scale) << "t = " << model.time() << ", integrator " << integrator;
+        energy = std::min(energy, now);
+      }
+    }
+    const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+    EXPECT_GE(statistics.worst_gap, -1e-10);
+    EXPECT_GE(statistics.worst_normal_force, 0);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Examples, Invariants,
+                         testing::Values(Case{"particle.tf", true}, Case{"incline.tf", true}, Case{"corner.tf", true},
+                                         Case{"falling_rod.tf", true}, Case{"falling_box.tf", true}, Case{"chain.tf", true},
+                                         Case{"carts.tf", true}, Case{"pushed_block.tf", false}, Case{"moving_ground.tf", false},
+                                         Case{"pendulum_wall.tf", false}),
+                         [](const testing::TestParamInfo<Case> &testCase) {
+                           const std::string file = testCase.param.file;
+                           return file.substr(0, file.find('.'));
+                         });
+
+TEST(Friction, StaysInItsCone) {
+  for (const char *file : {"falling_rod.tf", "falling_box.tf", "chain.tf", "pushed_block.tf"}) {
+    CompiledModel model(example(file));
+    model.tolerance(1e-8).initialise();
+    const double mu = model["mu"];
+    for (int i = 1; i <= 500; ++i) {
+      model.advance(model.model().stop_time * i / 500);
+      const auto normal = model.valuesOf(TF_KIND_NORMAL_FORCE), tangent = model.valuesOf(TF_KIND_TANGENT_FORCE),
+                 slip = model.valuesOf(TF_KIND_SLIP);
+      for (std::size_t c = 0; c < normal.size(); ++c) {
+        ASSERT_LE(std::abs(tangent[c]), mu * normal[c] + 1e-9) << file << ", t = " << model.time();
+        if (normal[c] > 1e-6 && std::abs(slip[c]) > 1e-6) {
+          ASSERT_NEAR(tangent[c], -std::copysign(mu * normal[c], slip[c]), 1e-9) << file << ", t = " << model.time();
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tf::test

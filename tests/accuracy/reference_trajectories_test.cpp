@@ -1,0 +1,93 @@
+// The reference trajectories of tests/accuracy/reference over their whole grids and at their events, by every integrator.
+#include "tests/accuracy/compiled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <ostream>
+#include <vector>
+
+namespace tf::test {
+namespace {
+
+struct Reference {
+  const char *name, *file;
+  std::vector<const char *> columns, variables;
+  double bound;
+};
+
+const Reference kRod{
+    "S06a_rod", "falling_rod.tf", {"x", "y", "th", "vx", "vy", "om"}, {"r[1]", "r[2]", "phi", "der(r[1])", "der(r[2])", "der(phi)"}, 1e-7};
+const Reference kBox{
+    "S07b_box", "falling_box.tf", {"x", "y", "th", "vx", "vy", "om"}, {"r[1]", "r[2]", "phi", "der(r[1])", "der(r[2])", "der(phi)"}, 1e-7};
+const Reference kChain{
+    "S15_chain3",
+    "chain.tf",
+    {"x0", "y0", "th0", "th1", "th2", "vx0", "vy0", "w0", "w1", "w2"},
+    {"r[1]", "r[2]", "phi[1]", "phi[2]", "phi[3]", "der(r[1])", "der(r[2])", "der(phi[1])", "der(phi[2])", "der(phi[3])"},
+    1e-6};
+
+struct Case {
+  const Reference *reference;
+  tf_integrator integrator;
+  const char *integratorName;
+};
+
+std::ostream &operator<<(std::ostream &out, const Case &c) { return out << c.reference->name << " by " << c.integratorName; }
+
+class ReferenceTrajectory : public testing::TestWithParam<Case> {};
+
+std::string path(const Reference &reference, const char *suffix) {
+  return std::string(TF_SOURCE_DIR "/tests/accuracy/reference/") + reference.name + suffix;
+}
+
+TEST_P(ReferenceTrajectory, MatchesOnTheWholeGrid) {
+  const Reference &reference = *GetParam().reference;
+  const CsvTable grid(path(reference, ".csv"));
+  CompiledModel model(example(reference.file));
+  model.tolerance(1e-9).integrator(GetParam().integrator).initialise();
+  double worst = 0;
+  std::string where;
+  for (std::size_t row = 0; row < grid.rows(); ++row) {
+    const double time = grid["t"][row];
+    model.advance(time);
+    for (std::size_t i = 0; i < reference.columns.size(); ++i) {
+      const double expected = grid[reference.columns[i]][row];
+      const double error = std::abs(model[reference.variables[i]] - expected) / std::max(1.0, std::abs(expected));
+      if (!(error <= worst)) {
+        worst = error;
+        where = std::string(reference.variables[i]) + " at t = " + std::to_string(time);
+      }
+    }
+  }
+  EXPECT_LE(worst, reference.bound) << where;
+}
+
+TEST_P(ReferenceTrajectory, EveryEventIsFoundAtItsTime) {
+  const Reference &reference = *GetParam().reference;
+  const CsvTable events(path(reference, "_events.csv"));
+  CompiledModel model(example(reference.file));
+  model.tolerance(1e-9).integrator(GetParam().integrator).initialise();
+  model.advance(model.model().stop_time);
+  for (std::size_t row = 1; row < events.rows(); ++row) {
+    const double expected = events["t"][row];
+    double nearest = INFINITY;
+    for (const Event &event : model.events()) {
+      nearest = std::min(nearest, std::abs(event.time - expected));
+    }
+    EXPECT_LE(nearest, reference.bound) << "event at t = " << expected;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, ReferenceTrajectory,
+                         testing::Values(Case{&kRod, TF_AUTO, "auto"}, Case{&kRod, TF_STEP, "step"}, Case{&kRod, TF_EXPLICIT, "explicit"},
+                                         Case{&kRod, TF_CVODE, "cvode"}, Case{&kBox, TF_AUTO, "auto"}, Case{&kBox, TF_STEP, "step"},
+                                         Case{&kBox, TF_EXPLICIT, "explicit"}, Case{&kBox, TF_CVODE, "cvode"},
+                                         Case{&kChain, TF_AUTO, "auto"}, Case{&kChain, TF_STEP, "step"},
+                                         Case{&kChain, TF_EXPLICIT, "explicit"}, Case{&kChain, TF_CVODE, "cvode"}),
+                         [](const testing::TestParamInfo<Case> &testCase) {
+                           return std::string(testCase.param.reference->name) + "_" + testCase.param.integratorName;
+                         });
+
+}  // namespace
+}  // namespace tf::test
