@@ -22,3 +22,9 @@ picture stickslip stickslip.tf --stop-time 10 --interval 0.01
 picture den_hartog den_hartog.tf --interval 0.02
 picture moving_ground moving_ground.tf --interval 0.002
 picture pushed_block pushed_block.tf --interval 0.005
+
+# Errors of fixed-step runs, measured by the accuracy tests against an independent reference.
+if [ -x "$build/tests/accuracy/accuracy_test" ]; then
+  TF_ORDER_TABLE=$data "$build/tests/accuracy/accuracy_test" --gtest_filter='*Order*' >/dev/null
+  "$build/tf_plot" "$top/docs/pictures/order.plot" "$data" "$top/docs/order.svg"
+fi

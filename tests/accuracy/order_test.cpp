@@ -11,14 +11,14 @@
 namespace tf::test {
 namespace {
 
-constexpr double kEnd = 6;
+constexpr double kEnd = 6.5;
 
 const FrictionSolution &reference() {
   static const FrictionSolution solution = [] {
-    const Number speed = 0.6, part = 0.4;  // doubles, as the model's parameters are
+    const Number speed = 0.6, part = 0.7;  // doubles, as the model's parameters are
     DryFriction problem{.mass = 1, .bound = 1, .force = [](Number, Number x, Number) { return -x - x * x * x; }};
-    problem.belt = [=](Number t) { return speed * (1 + part * std::sin(3 * t)); };
-    problem.beltAcceleration = [=](Number t) { return speed * part * 3 * std::cos(3 * t); };
+    problem.belt = [=](Number t) { return speed * (1 + part * std::sin(2 * t)); };
+    problem.beltAcceleration = [=](Number t) { return speed * part * 2 * std::cos(2 * t); };
     problem.x = -0.2;
     return solve(problem, {kEnd});
   }();

@@ -1,0 +1,17 @@
+title "Radau IIA with switch location: order 2s − 1 across stick-slip switches (examples/duffing.tf)"
+size 960 400
+columns 2
+panel "Error of the state at the end, after four switches"
+x log "step in s"
+y log "error"
+points order1.csv step state "s = 1: order 1"
+points order2.csv step state "s = 2: order 3"
+points order3.csv step state "s = 3: order 5"
+points order4.csv step state "s = 4: order 7"
+panel "Largest error of a switch time"
+x log "step in s"
+y log "error in s"
+points order1.csv step time "s = 1: order 1"
+points order2.csv step time "s = 2: order 3"
+points order3.csv step time "s = 3: order 5"
+points order4.csv step time "s = 4: order 7"
