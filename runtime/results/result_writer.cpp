@@ -1,0 +1,177 @@
+#include "runtime/results/result_writer.h"
+
+#include "runtime/results/output_file.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// RFC 4180 ends lines with CR LF.
+constexpr std::string_view lineEnd = "\r\n";
+
+class CsvWriter : public ResultWriter {
+public:
+  CsvWriter(OutputFile file, std::vector<std::int32_t> columns) : file_(std::move(file)), columns_(std::move(columns)) {}
+
+  Outcome<void> writeHeader(const tf_model &model) {
+    line_.clear();
+    for (const std::int32_t column : columns_) {
+      if (!line_.empty())
+        line_ += ',';
+      appendCsvField(line_, model.variables[column].name);
+    }
+    line_ += lineEnd;
+    return file_.write(line_);
+  }
+
+  Outcome<void> writeRow(std::span<const double> values) override {
+    line_.clear();
+    for (const std::int32_t column : columns_) {
+      appendNumber(line_, values[static_cast<std::size_t>(column)]);
+      line_ += ',';
+    }
+    line_.replace(line_.size() - 1, 1, lineEnd);
+    return file_.write(line_);
+  }
+
+  Outcome<void> finish() override { return file_.close(); }
+
+private:
+  OutputFile file_;
+  std::vector<std::int32_t> columns_;
+  std::string line_;
+};
+
+void appendJsonString(std::string &text, std::string_view value) {
+  constexpr char hexDigits[] = "0123456789abcdef";
+  text += '"';
+  for (const char c : value) {
+    const auto byte = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\') {
+      text += '\\';
+      text += c;
+    } else if (byte < 0x20) {
+      text += "\\u00";
+      text += hexDigits[byte >> 4];
+      text += hexDigits[byte & 15];
+    } else {
+      text += c;
+    }
+  }
+  text += '"';
+}
+
+// {"model": NAME, "variables": [{"name", "unit", "description"}, ...], "data": {NAME: [values], ...}}. JSON has no infinities and NaN: they
+// are the strings that CSV has for them.
+class JsonWriter : public ResultWriter {
+public:
+  JsonWriter(OutputFile file, const tf_model &model, std::vector<std::int32_t> columns)
+      : file_(std::move(file)), model_(&model), columns_(std::move(columns)), data_(columns_.size()) {}
+  ~JsonWriter() override { static_cast<void>(end()); }
+  JsonWriter(const JsonWriter &) = delete;
+  JsonWriter &operator=(const JsonWriter &) = delete;
+
+  Outcome<void> writeRow(std::span<const double> values) override {
+    for (std::size_t i = 0; i < columns_.size(); ++i)
+      data_[i].push_back(values[static_cast<std::size_t>(columns_[i])]);
+    return {};
+  }
+
+  Outcome<void> finish() override { return end(); }
+
+private:
+  Outcome<void> end() {
+    if (!finished_) {
+      finished_ = true;
+      std::string text;
+      appendVariables(text);
+      static_cast<void>(file_.write(text));  // errors stay with the file
+      for (std::size_t i = 0; i < columns_.size(); ++i) {
+        text = i == 0 ? "\n    " : ",\n    ";
+        appendColumn(text, i);
+        static_cast<void>(file_.write(text));
+      }
+      static_cast<void>(file_.write("\n  }\n}\n"));
+    }
+    return file_.close();
+  }
+
+  void appendVariables(std::string &text) const {
+    text += "{\n  \"model\": ";
+    appendJsonString(text, model_->name);
+    text += ",\n  \"variables\": [";
+    for (std::size_t i = 0; i < columns_.size(); ++i) {
+      const tf_variable &variable = model_->variables[columns_[i]];
+      text += i == 0 ? "\n    {\"name\": " : ",\n    {\"name\": ";
+      appendJsonString(text, variable.name);
+      text += ", \"unit\": ";
+      appendJsonString(text, variable.unit);
+      text += ", \"description\": ";
+      appendJsonString(text, variable.description);
+      text += '}';
+    }
+    text += "\n  ],\n  \"data\": {";
+  }
+
+  void appendColumn(std::string &text, std::size_t column) const {
+    appendJsonString(text, model_->variables[columns_[column]].name);
+    text += ": [";
+    for (const double value : data_[column]) {
+      const bool finite = std::isfinite(value);
+      text += finite ? "" : "\"";
+      appendNumber(text, value);
+      text += finite ? ", " : "\", ";
+    }
+    if (!data_[column].empty())
+      text.resize(text.size() - 2);
+    text += ']';
+  }
+
+  OutputFile file_;
+  const tf_model *model_;
+  std::vector<std::int32_t> columns_;
+  std::vector<std::vector<double>> data_;
+  bool finished_ = false;
+};
+
+enum class Format : std::uint8_t { Unknown, Csv, Json };
+
+Format formatOf(const std::string &path) {
+  std::string suffix = path.substr(std::min(path.size(), path.find_last_of("./")));
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return suffix == ".csv" ? Format::Csv : suffix == ".json" ? Format::Json : Format::Unknown;
+}
+
+}  // namespace
+
+Outcome<std::unique_ptr<ResultWriter>> ResultWriter::create(const std::string &path, const tf_model &model,
+                                                            std::vector<std::int32_t> columns) {
+  const Format format = formatOf(path);
+  if (format == Format::Unknown)
+    return Failure{"cannot write results to '" + path + "': the name must end in .csv or .json"};
+  if (columns.empty())
+    return Failure{"cannot write results to '" + path + "': no variables were chosen"};
+  auto file = OutputFile::create(path);
+  if (!file)
+    return Failure{file.error()};
+  if (format == Format::Json)
+    return std::unique_ptr<ResultWriter>(std::make_unique<JsonWriter>(std::move(file.value()), model, std::move(columns)));
+  auto writer = std::make_unique<CsvWriter>(std::move(file.value()), std::move(columns));
+  if (auto header = writer->writeHeader(model); !header)
+    return Failure{header.error()};
+  return std::unique_ptr<ResultWriter>(std::move(writer));
+}
+
+std::vector<std::int32_t> visibleColumns(const tf_model &model) {
+  std::vector<std::int32_t> columns;
+  for (std::int32_t i = 0; i < model.variable_count; ++i)
+    if ((model.variables[i].flags & TF_PROTECTED) == 0)
+      columns.push_back(i);
+  return columns;
+}
+
+}  // namespace tf::runtime
