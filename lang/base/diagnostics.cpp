@@ -1,5 +1,7 @@
 #include "lang/base/diagnostics.h"
 
+#include "lang/base/utf8.h"
+
 #include <algorithm>
 #include <cctype>
 
@@ -27,23 +29,6 @@ std::string position(Span span, const SourceManager &sources) {
   return fmt::format("{}:{}:{}: ", file.path(), line, column);
 }
 
-// Length in bytes of the UTF-8 sequence at the start of `text` (not empty), 0 if there is no valid one.
-std::size_t sequenceLength(std::string_view text) {
-  const auto lead = static_cast<unsigned char>(text[0]);
-  const std::size_t length = lead < 0x80                   ? 1
-                             : lead >= 0xC2 && lead < 0xE0 ? 2
-                             : lead >= 0xE0 && lead < 0xF0 ? 3
-                             : lead >= 0xF0 && lead < 0xF5 ? 4
-                                                           : 0;
-  if (length > text.size())
-    return 0;
-  for (std::size_t i = 1; i < length; ++i) {
-    if ((static_cast<unsigned char>(text[i]) & 0xC0U) != 0x80U)
-      return 0;
-  }
-  return length;
-}
-
 // What a terminal shows of a source line: one column per code point; tabs stay, other control characters and invalid bytes become '?'.
 struct VisibleLine {
   std::string text;
@@ -53,7 +38,7 @@ struct VisibleLine {
 VisibleLine visibleLine(std::string_view line, std::size_t underlineBegin, std::size_t underlineEnd) {
   VisibleLine result;
   for (std::size_t i = 0; i < line.size();) {
-    const std::size_t length = sequenceLength(line.substr(i));
+    const std::size_t length = decode(line.substr(i)).length;
     const bool isControl = length == 1 && std::iscntrl(static_cast<unsigned char>(line[i])) != 0 && line[i] != '\t';
     if (length == 0 || isControl)
       result.text += '?';
@@ -169,7 +154,8 @@ std::string nearest(std::string_view name, std::span<const std::string> candidat
     const auto difference = static_cast<std::ptrdiff_t>(candidate.size()) - static_cast<std::ptrdiff_t>(name.size());
     if (2 * std::abs(difference) > limit || candidate == name)
       continue;
-    if (const int distance = doubledDistance(name, candidate); distance < best) {
+    const int distance = equalButForCase(name, candidate) ? 1 : doubledDistance(name, candidate);
+    if (distance < best) {
       best = distance;
       result = candidate;
     }

@@ -1,7 +1,7 @@
 #include "lang/syntax/lexer.h"
 
+#include "lang/base/utf8.h"
 #include "lang/syntax/syntax_diagnostics.h"
-#include "lang/syntax/utf8.h"
 
 #include <array>
 #include <charconv>

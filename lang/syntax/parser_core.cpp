@@ -1,7 +1,7 @@
 // Tokens, errors and recovery of the parser.
 #include "lang/syntax/parser_core.h"
 
-#include "lang/syntax/utf8.h"
+#include "lang/base/utf8.h"
 
 namespace tf::syntax {
 

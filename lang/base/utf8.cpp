@@ -1,8 +1,8 @@
-#include "lang/syntax/utf8.h"
+#include "lang/base/utf8.h"
 
 #include <cstring>
 
-namespace tf::syntax {
+namespace tf {
 
 namespace {
 
@@ -54,4 +54,4 @@ std::size_t findInvalid(std::string_view text, std::size_t from) {
   return text.size();
 }
 
-}  // namespace tf::syntax
+}  // namespace tf

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string_view>
 
-namespace tf::syntax {
+namespace tf {
 
 struct CodePoint {
   std::uint32_t value = 0;
@@ -18,4 +18,4 @@ struct CodePoint {
 // The offset of the first byte at or after `from` that is not part of a valid sequence, the size of the text if there is none.
 [[nodiscard]] std::size_t findInvalid(std::string_view text, std::size_t from = 0);
 
-}  // namespace tf::syntax
+}  // namespace tf
