@@ -101,6 +101,11 @@ int doubledDistance(std::string_view a, std::string_view b) {
   return previous[b.size()];
 }
 
+bool equalButForCase(std::string_view a, std::string_view b) {
+  const auto lower = [](char c) { return std::tolower(static_cast<unsigned char>(c)); };
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(), [&](char x, char y) { return lower(x) == lower(y); });
+}
+
 }  // namespace
 
 Diagnostic &Diagnostic::note(Span where, std::string text) {
