@@ -1,5 +1,5 @@
-// Code generation: the functions of a HybridSystem through LLVM to memory, object file, shared library or text. The only folder that sees LLVM;
-// it is a shared library of its own (libtfcodegen) that the program loads when it has to generate code.
+// Code generation: the functions of a HybridSystem through LLVM to memory, object file, shared library or text. The only folder that sees
+// LLVM; it is a shared library of its own (libtfcodegen) that the program loads when it has to generate code.
 #pragma once
 
 #include "compiler/mechanics/hybrid_system.h"
@@ -13,8 +13,8 @@ namespace tf {
 enum class EmitKind : std::uint8_t { LlvmIr, Assembly, Object, SharedLibrary };
 
 struct CodegenOptions {
-  int optimization = 2;   // 0…3
-  std::string hash;       // content hash, stored in the model
+  int optimization = 2;  // 0…3
+  std::string hash;      // content hash, stored in the model
 };
 
 // A model in memory; the code lives as long as this.
@@ -28,13 +28,14 @@ public:
 class CodeGenerator {
 public:
   virtual ~CodeGenerator() = default;
-  virtual std::unique_ptr<CompiledInMemory> compileInMemory(HybridSystem &system, const SourceManager &sources, const CodegenOptions &options) = 0;
+  virtual std::unique_ptr<CompiledInMemory> compileInMemory(HybridSystem &system, const SourceManager &sources,
+                                                            const CodegenOptions &options) = 0;
   // The text or the bytes of the file.
   virtual std::string emit(HybridSystem &system, const SourceManager &sources, EmitKind kind, const CodegenOptions &options) = 0;
   // "cpu features LLVM-version": part of the cache's key.
   [[nodiscard]] virtual std::string target() const = 0;
 };
 
-} // namespace tf
+}  // namespace tf
 
 extern "C" tf::CodeGenerator *tf_make_code_generator();

@@ -1,0 +1,41 @@
+// How a function is laid out: what is evaluated under which guard, in which order, in pieces of bounded size. Knows nothing of LLVM.
+#pragma once
+
+#include "compiler/ir/function.h"
+
+#include <vector>
+
+namespace tf::codegen {
+
+// A step of straight-line code: the evaluation of a node, or a store.
+struct Step {
+  ir::NodeId node = -1;
+  const ir::Store *store = nullptr;  // null: evaluate
+};
+
+// Steps under one guard, operands before uses.
+struct Unit {
+  int group = -1;  // −1: always
+  std::vector<Step> steps;
+};
+
+// Contract. Units come in an order in which they can be executed: those without a guard first, then group by group. Constants and symbols
+// are in no unit; each unit that needs one makes or loads it. Every other node is in exactly one unit. A node that several groups need is
+// evaluated always. Of a split plan each unit is a function of its own, and values that leave their unit pass through a slot of an array of
+// `slotCount` numbers.
+struct CodePlan {
+  std::vector<Unit> units;
+  bool isSplit = false;
+  int slotCount = 0;
+  std::vector<ir::NodeId> slotNodes;  // nodes that pass through a slot, ascending
+  std::vector<int> slots;             // their slots
+
+  // −1 if the node does not leave its unit.
+  [[nodiscard]] int slotOf(ir::NodeId node) const;
+};
+
+// A function of at most `largestUnit` steps stays whole; larger ones are split into units of that size, so that compile time stays linear
+// (parts of LLVM are not in the length of a block).
+[[nodiscard]] CodePlan planCode(const ir::Function &function, const ir::Graph &graph, int largestUnit);
+
+}  // namespace tf::codegen

@@ -1,0 +1,260 @@
+#include "compiler/codegen/expression_emitter.h"
+
+#include "compiler/codegen/math_library.h"
+#include "compiler/ir/operations.h"
+#include "runtime/abi/tf_model.h"
+
+#include <llvm/IR/Module.h>
+
+#include <cassert>
+#include <cstdlib>
+
+namespace tf::codegen {
+
+namespace {
+
+using ir::Op;
+
+struct Argument {
+  int array;
+  const char *name;
+};
+
+Argument argumentOf(ir::SymbolKind kind) {
+  switch (kind) {
+  case ir::SymbolKind::Time:
+    return {TF_IN_TIME, "time"};
+  case ir::SymbolKind::Coordinate:
+    return {TF_IN_Q, "q"};
+  case ir::SymbolKind::Velocity:
+    return {TF_IN_V, "v"};
+  case ir::SymbolKind::State:
+    return {TF_IN_Z, "z"};
+  case ir::SymbolKind::Input:
+    return {TF_IN_U, "u"};
+  case ir::SymbolKind::Parameter:
+    return {TF_IN_P, "p"};
+  case ir::SymbolKind::StepVariable:
+    return {TF_IN_ALPHA, "alpha"};
+  case ir::SymbolKind::Acceleration:
+    return {TF_IN_A, "a"};
+  case ir::SymbolKind::NormalForce:
+    return {TF_IN_NORMAL, "normal"};
+  case ir::SymbolKind::TangentForce:
+    return {TF_IN_TANGENT, "tangent"};
+  case ir::SymbolKind::StateDerivative:
+    return {TF_IN_ZDOT, "zdot"};
+  case ir::SymbolKind::Unknown:
+    break;  // of equations that are being solved; a system has none
+  }
+  assert(false && "not an argument of generated functions");
+  return {0, ""};
+}
+
+const char *const arrayNames[TF_IN_COUNT] = {"time.in",  "q.in", "v.in",      "z.in",       "u.in",   "p.in",
+                                             "alpha.in", "a.in", "normal.in", "tangent.in", "zdot.in"};
+
+llvm::FunctionCallee mathFunction(llvm::Module &module, std::string_view name, std::size_t argumentCount) {
+  llvm::Type *number = llvm::Type::getDoubleTy(module.getContext());
+  const llvm::SmallVector<llvm::Type *, 2> arguments(argumentCount, number);
+  llvm::FunctionCallee callee = module.getOrInsertFunction(llvm::StringRef(name), llvm::FunctionType::get(number, arguments, false));
+  auto *function = llvm::cast<llvm::Function>(callee.getCallee());
+  function->setDoesNotAccessMemory();  // errno is not looked at
+  function->setDoesNotThrow();
+  function->setWillReturn();
+  function->addFnAttr(llvm::Attribute::NoFree);
+  function->addFnAttr(llvm::Attribute::NoSync);
+  function->addFnAttr(llvm::Attribute::NonLazyBind);  // called through its table entry, without a stub
+  return callee;
+}
+
+}  // namespace
+
+Value *ExpressionEmitter::find(ir::NodeId id) {
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
+    if (const auto found = scope->values.find(id); found != scope->values.end())
+      return &found->second;
+  return nullptr;
+}
+
+llvm::Value *ExpressionEmitter::number(ir::NodeId id) {
+  const ir::Node &node = graph_[id];
+  if (node.op == Op::Constant)
+    return literal(node.value);
+  Value *value = find(id);
+  if (value == nullptr) {
+    assert(node.op == Op::Symbol && "an operand is evaluated before its use");
+    value = &scopes_.back().values[id];
+    value->number = load(node.symbol);
+  }
+  if (value->number != nullptr)
+    return value->number;
+  // Kept with the innermost scope: the conversion is emitted there.
+  llvm::Value *converted = builder_.CreateUIToFP(value->bit, builder_.getDoubleTy());
+  scopes_.back().values[id] = {converted, value->bit};
+  return converted;
+}
+
+llvm::Value *ExpressionEmitter::bit(ir::NodeId id) {
+  if (const Value *value = find(id); value != nullptr && value->bit != nullptr)
+    return value->bit;
+  llvm::Value *truth = builder_.CreateFCmpUNE(number(id), literal(0));
+  scopes_.back().values[id] = {number(id), truth};
+  return truth;
+}
+
+llvm::Value *ExpressionEmitter::invariantLoad(llvm::Type *type, llvm::Value *address, const llvm::Twine &name) {
+  llvm::LoadInst *load = builder_.CreateAlignedLoad(type, address, llvm::Align(8), name);
+  llvm::MDNode *mark = llvm::MDNode::get(builder_.getContext(), {});
+  load->setMetadata(llvm::LLVMContext::MD_invariant_load, mark);
+  load->setMetadata(llvm::LLVMContext::MD_noundef, mark);
+  if (type->isPointerTy())
+    load->setMetadata(llvm::LLVMContext::MD_nonnull, mark);
+  return load;
+}
+
+llvm::Value *ExpressionEmitter::array(int index) {
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
+    if (const auto found = scope->arrays.find(index); found != scope->arrays.end())
+      return found->second;
+  llvm::Value *slot = builder_.CreateConstInBoundsGEP1_32(builder_.getPtrTy(), inputs_, static_cast<unsigned>(index));
+  llvm::Value *pointer = invariantLoad(builder_.getPtrTy(), slot, arrayNames[index]);
+  scopes_.back().arrays[index] = pointer;
+  return pointer;
+}
+
+llvm::Value *ExpressionEmitter::load(ir::Symbol symbol) {
+  const auto [index, name] = argumentOf(symbol.kind);
+  llvm::Value *address = builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), array(index), static_cast<unsigned>(symbol.index));
+  return invariantLoad(builder_.getDoubleTy(), address, symbol.kind == ir::SymbolKind::Time ? name : name + llvm::Twine(symbol.index));
+}
+
+void ExpressionEmitter::evaluate(ir::NodeId id) {
+  const ir::Node &node = graph_[id];
+  for (int k = 0; k < node.arity; ++k)  // loads in the order of the operands, whatever the order of evaluation of arguments in C++
+    if (graph_[node.operands[k]].op == Op::Symbol)
+      static_cast<void>(number(node.operands[k]));
+  const Value value = emit(node);
+  scopes_.back().values[id] = value;
+}
+
+Value ExpressionEmitter::emit(const ir::Node &node) {
+  if (ir::isBoolean(node.op))
+    return emitLogical(node);
+  switch (node.op) {
+  case Op::IfElse:
+  case Op::Select:
+  case Op::Min:
+  case Op::Max:
+  case Op::Sign:
+    return {emitChoice(node), nullptr};
+  case Op::Pow:
+    return {emitPower(node), nullptr};
+  default:
+    return {emitArithmetic(node), nullptr};
+  }
+}
+
+Value ExpressionEmitter::emitLogical(const ir::Node &node) {
+  const auto a = [&] { return number(node.operands[0]); };
+  const auto b = [&] { return number(node.operands[1]); };
+  switch (node.op) {
+  case Op::Less:
+    return {nullptr, builder_.CreateFCmpOLT(a(), b())};
+  case Op::LessEqual:
+    return {nullptr, builder_.CreateFCmpOLE(a(), b())};
+  case Op::Equal:
+    return {nullptr, builder_.CreateFCmpOEQ(a(), b())};
+  case Op::And:
+    return {nullptr, builder_.CreateAnd(bit(node.operands[0]), bit(node.operands[1]))};
+  case Op::Or:
+    return {nullptr, builder_.CreateOr(bit(node.operands[0]), bit(node.operands[1]))};
+  default:
+    return {nullptr, builder_.CreateNot(bit(node.operands[0]))};
+  }
+}
+
+llvm::Value *ExpressionEmitter::emitChoice(const ir::Node &node) {
+  const ir::NodeId *x = node.operands;
+  switch (node.op) {
+  case Op::IfElse:
+    return builder_.CreateSelect(bit(x[0]), number(x[1]), number(x[2]));
+  case Op::Min:
+    return builder_.CreateSelect(builder_.CreateFCmpOLT(number(x[1]), number(x[0])), number(x[1]), number(x[0]));
+  case Op::Max:
+    return builder_.CreateSelect(builder_.CreateFCmpOGT(number(x[1]), number(x[0])), number(x[1]), number(x[0]));
+  case Op::Sign: {
+    llvm::Value *zero = literal(0);
+    llvm::Value *negative = builder_.CreateSelect(builder_.CreateFCmpOLT(number(x[0]), zero), literal(-1), zero);
+    return builder_.CreateSelect(builder_.CreateFCmpOGT(number(x[0]), zero), literal(1), negative);
+  }
+  default: {  // Select: alpha = 1, alpha = 0, between
+    llvm::Value *alpha = number(x[0]);
+    llvm::Value *one = literal(1);
+    llvm::Value *first = builder_.CreateFMul(alpha, number(x[1]));
+    llvm::Value *second = builder_.CreateFMul(builder_.CreateFSub(one, alpha), number(x[2]));
+    llvm::Value *blend = builder_.CreateFAdd(first, second);
+    llvm::Value *lower = builder_.CreateSelect(builder_.CreateFCmpOEQ(alpha, literal(0)), number(x[2]), blend);
+    return builder_.CreateSelect(builder_.CreateFCmpOEQ(alpha, one), number(x[1]), lower);
+  }
+  }
+}
+
+// As ir::integerPower multiplies.
+llvm::Value *ExpressionEmitter::emitPower(const ir::Node &node) {
+  llvm::Value *base = number(node.operands[0]);
+  const std::optional<int> exponent = ir::multipliedExponent(graph_, node.operands[1]);
+  if (!exponent)
+    return call("pow", {base, number(node.operands[1])}, false);
+  llvm::Value *result = nullptr;
+  for (unsigned bits = static_cast<unsigned>(std::abs(*exponent)); bits != 0; bits >>= 1U) {
+    if ((bits & 1U) != 0)
+      result = result == nullptr ? base : builder_.CreateFMul(result, base);
+    if (bits > 1)
+      base = builder_.CreateFMul(base, base);
+  }
+  if (result == nullptr)
+    return literal(1);
+  return *exponent < 0 ? builder_.CreateFDiv(literal(1), result) : result;
+}
+
+llvm::Value *ExpressionEmitter::emitArithmetic(const ir::Node &node) {
+  const auto a = [&] { return number(node.operands[0]); };
+  const auto b = [&] { return number(node.operands[1]); };
+  const auto intrinsic = [&](llvm::Intrinsic::ID id) { return builder_.CreateUnaryIntrinsic(id, a()); };
+  switch (node.op) {
+  case Op::Neg:
+    return builder_.CreateFNeg(a());
+  case Op::Add:
+    return builder_.CreateFAdd(a(), b());
+  case Op::Sub:
+    return builder_.CreateFSub(a(), b());
+  case Op::Mul:
+    return builder_.CreateFMul(a(), b());
+  case Op::Div:
+    return builder_.CreateFDiv(a(), b());
+  case Op::Sqrt:
+    return intrinsic(llvm::Intrinsic::sqrt);
+  case Op::Abs:
+    return intrinsic(llvm::Intrinsic::fabs);
+  case Op::Floor:
+    return intrinsic(llvm::Intrinsic::floor);
+  case Op::Ceil:
+    return intrinsic(llvm::Intrinsic::ceil);
+  case Op::Atan2:
+    return call("atan2", {a(), b()});
+  default:
+    return call(libraryName(node.op), {a()});
+  }
+}
+
+// What is no builtin, LLVM does not replace by another function (pow(2, x) by exp2(x)), whose last bit may differ.
+llvm::Value *ExpressionEmitter::call(std::string_view name, llvm::ArrayRef<llvm::Value *> arguments, bool isBuiltin) {
+  llvm::Module &module = *builder_.GetInsertBlock()->getModule();
+  llvm::CallInst *result = builder_.CreateCall(mathFunction(module, name, arguments.size()), arguments);
+  if (!isBuiltin)
+    result->addFnAttr(llvm::Attribute::NoBuiltin);
+  return result;
+}
+
+}  // namespace tf::codegen

@@ -1,0 +1,63 @@
+// LLVM values of expression nodes within one LLVM function.
+#pragma once
+
+#include "compiler/ir/graph.h"
+
+#include <llvm/IR/IRBuilder.h>
+
+#include <optional>
+#include <string_view>
+#include <unordered_map>
+#include <vector>
+
+namespace tf::codegen {
+
+// A node's value as a number and, for Booleans, as a bit; made from one another when first needed, so that conditions made of relations
+// never become numbers.
+struct Value {
+  llvm::Value *number = nullptr;
+  llvm::Value *bit = nullptr;
+};
+
+// Emits at the builder's position. Values are valid in the scope in which they were made and in scopes opened inside it.
+class ExpressionEmitter {
+public:
+  // `inputs` is the function's first argument: pointers to the arrays of enum tf_in.
+  ExpressionEmitter(const ir::Graph &graph, llvm::IRBuilder<> &builder, llvm::Value *inputs)
+      : graph_(graph), builder_(builder), inputs_(inputs), scopes_(1) {}
+
+  // Evaluates an operation whose operands have values (constants and symbols are supplied).
+  void evaluate(ir::NodeId id);
+  void define(ir::NodeId id, llvm::Value *number) { scopes_.back().values[id].number = number; }
+  [[nodiscard]] llvm::Value *number(ir::NodeId id);
+  // A load that may be moved and repeated: nothing writes there while the function runs.
+  llvm::Value *invariantLoad(llvm::Type *type, llvm::Value *address, const llvm::Twine &name);
+
+  void openScope() { scopes_.emplace_back(); }
+  void closeScope() { scopes_.pop_back(); }
+
+private:
+  struct Scope {
+    std::unordered_map<ir::NodeId, Value> values;
+    std::unordered_map<int, llvm::Value *> arrays;  // of enum tf_in
+  };
+
+  [[nodiscard]] Value *find(ir::NodeId id);
+  llvm::Value *bit(ir::NodeId id);
+  llvm::Value *load(ir::Symbol symbol);
+  llvm::Value *array(int index);
+  Value emit(const ir::Node &node);
+  Value emitLogical(const ir::Node &node);
+  llvm::Value *emitArithmetic(const ir::Node &node);
+  llvm::Value *emitChoice(const ir::Node &node);
+  llvm::Value *emitPower(const ir::Node &node);
+  llvm::Value *call(std::string_view name, llvm::ArrayRef<llvm::Value *> arguments, bool isBuiltin = true);
+  llvm::Value *literal(double value) { return llvm::ConstantFP::get(builder_.getDoubleTy(), value); }
+
+  const ir::Graph &graph_;
+  llvm::IRBuilder<> &builder_;
+  llvm::Value *inputs_;
+  std::vector<Scope> scopes_;
+};
+
+}  // namespace tf::codegen

@@ -1,0 +1,229 @@
+// Generated code against the interpreter ir::evaluate, in memory and as a shared library, at all levels of optimisation.
+#include "compiled_fixture.h"
+
+#include "tests/unit/compiler/ir/random_graph.h"
+
+#include <bit>
+#include <cmath>
+#include <limits>
+
+namespace tf::codegen::testing {
+namespace {
+
+using ir::NodeId;
+using ir::Op;
+using ir::SymbolKind;
+
+std::uint64_t bitsOf(double value) { return std::bit_cast<std::uint64_t>(value); }
+
+bool same(double a, double b) { return bitsOf(a) == bitsOf(b) || (std::isnan(a) && std::isnan(b)); }
+
+double argument(const Call &call, ir::Symbol symbol) {
+  const auto index = static_cast<std::size_t>(symbol.index);
+  switch (symbol.kind) {
+  case SymbolKind::Time:
+    return call.inputs[TF_IN_TIME][0];
+  case SymbolKind::StepVariable:
+    return call.inputs[TF_IN_ALPHA][index];
+  default:
+    return call.inputs[TF_IN_Z][index];
+  }
+}
+
+// Expected outputs by the interpreter.
+std::vector<std::vector<double>> interpret(const ir::Function &function, const ir::Graph &graph, const Call &call,
+                                           const std::vector<std::uint8_t> &mask) {
+  std::vector<std::vector<double>> outputs;
+  for (const int size : function.bufferSizes)
+    outputs.emplace_back(static_cast<std::size_t>(size), untouched);
+  std::vector<NodeId> roots;
+  for (const ir::Store &store : function.stores)
+    roots.push_back(store.node);
+  const auto values = ir::evaluate(graph, roots, [&](ir::Symbol symbol) { return argument(call, symbol); });
+  for (std::size_t k = 0; k < roots.size(); ++k) {
+    const ir::Store &store = function.stores[k];
+    if (store.group < 0 || mask[static_cast<std::size_t>(store.group)] != 0)
+      outputs[static_cast<std::size_t>(store.buffer)][static_cast<std::size_t>(store.position)] = values[k];
+  }
+  return outputs;
+}
+
+void expectSame(const std::vector<std::vector<double>> &expected, const std::vector<std::vector<double>> &actual, const std::string &what) {
+  for (std::size_t b = 0; b < expected.size(); ++b)
+    for (std::size_t k = 0; k < expected[b].size(); ++k)
+      EXPECT_TRUE(same(expected[b][k], actual[b][k]))
+          << what << " out[" << b << "][" << k << "]: " << expected[b][k] << " and " << actual[b][k];
+}
+
+struct Compiled {
+  HybridSystem system;
+  std::vector<ir::Function> functions;
+  SourceManager sources;
+
+  [[nodiscard]] ModelSource source() const { return {system, functions, sources}; }
+  [[nodiscard]] const ir::Function &function() const { return functions[dynamicsIndex]; }
+};
+
+// A random function with `groups` guarded groups of stores among others.
+Compiled randomFunction(unsigned seed, int nodes, int groups) {
+  ir::testing::RandomGraph random = ir::testing::randomSmoothGraph(seed, 8, nodes);
+  ir::Function function{"dynamics", {static_cast<int>(random.nodes.size()), 4}, groups, {}};
+  std::mt19937 engine(seed);
+  for (std::size_t k = 0; k < random.nodes.size(); ++k)
+    if (engine() % 4 == 0)
+      function.stores.push_back(
+          {0, static_cast<int>(k), random.nodes[k], static_cast<int>(engine() % static_cast<unsigned>(groups + 1)) - 1});
+  for (int k = 0; k < 4; ++k)
+    function.stores.push_back({1, k, random.nodes[random.nodes.size() - 1 - static_cast<std::size_t>(k)], -1});
+  Compiled result;
+  result.system.name = "random";
+  result.system.nz = 8;
+  result.system.graph = std::move(random.graph);
+  result.functions = asDynamics(std::move(function));
+  return result;
+}
+
+class RandomFunctions : public ::testing::TestWithParam<unsigned> {};
+
+TEST_P(RandomFunctions, InMemoryAndSharedEqualTheInterpreterBitForBit) {
+  const unsigned seed = GetParam();
+  const int groups = static_cast<int>(seed % 4);
+  const Compiled compiled = randomFunction(seed, seed % 5 == 0 ? 3000 : 150, groups);
+  std::mt19937 engine(seed);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (const int optimization : {0, 1, 2, 3}) {
+    const auto inMemory = compileInMemory(compiled.source(), {optimization, ""});
+    const Loaded shared(emit(compiled.source(), EmitKind::SharedLibrary, {optimization, ""}));
+    for (int trial = 0; trial < 4; ++trial) {
+      Call call(compiled.function());
+      for (double &value : call.inputs[TF_IN_Z])
+        value = uniform(engine);
+      std::vector<std::uint8_t> mask(static_cast<std::size_t>(groups));
+      for (std::uint8_t &byte : mask)
+        byte = engine() % 2 == 0 ? 0 : static_cast<std::uint8_t>(1 + trial);
+      const auto expected = interpret(compiled.function(), compiled.system.graph, call, mask);
+      Call again = call;
+      call.run(inMemory->model()->dynamics, mask);
+      expectSame(expected, call.outputs, "in memory");
+      again.run(shared.model()->dynamics, mask);
+      expectSame(expected, again.outputs, "shared");
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomFunctions, ::testing::Range(0U, 20U));
+
+class GeneratedCode : public ::testing::Test {
+protected:
+  Compiled compiled;
+  ir::Graph &g = compiled.system.graph;
+  NodeId x = g.symbol(SymbolKind::State, 0);
+  NodeId y = g.symbol(SymbolKind::State, 1);
+  NodeId c(double value) { return g.constant(value); }
+
+  // Values of the roots at states z.
+  std::vector<double> run(const std::vector<NodeId> &roots, std::vector<double> states, double alpha = 0, int optimization = 2) {
+    ir::Function function{"dynamics", {static_cast<int>(roots.size())}, 0, {}};
+    for (std::size_t k = 0; k < roots.size(); ++k)
+      function.stores.push_back({0, static_cast<int>(k), roots[k], -1});
+    compiled.functions = asDynamics(function);
+    const auto inMemory = compileInMemory(compiled.source(), {optimization, ""});
+    Call call(function);
+    std::copy(states.begin(), states.end(), call.inputs[TF_IN_Z].begin());
+    call.inputs[TF_IN_ALPHA][0] = alpha;
+    const auto expected = interpret(function, g, call, {});
+    call.run(inMemory->model()->dynamics);
+    expectSame(expected, call.outputs, "interpreter and code");
+    return call.outputs[0];
+  }
+};
+
+TEST_F(GeneratedCode, EveryOperationAtOrdinaryAndExtremeArguments) {
+  std::vector<NodeId> roots;
+  for (const Op op : {Op::Neg, Op::Sqrt, Op::Exp, Op::Log, Op::Log10, Op::Sin, Op::Cos, Op::Tan, Op::Asin, Op::Acos, Op::Atan, Op::Sinh,
+                      Op::Cosh, Op::Tanh, Op::Abs, Op::Sign, Op::Floor, Op::Ceil, Op::Not})
+    roots.push_back(g.unary(op, x));
+  for (const Op op :
+       {Op::Add, Op::Sub, Op::Mul, Op::Div, Op::Pow, Op::Atan2, Op::Min, Op::Max, Op::Less, Op::LessEqual, Op::Equal, Op::And, Op::Or})
+    roots.push_back(g.binary(op, x, y));
+  for (const double exponent : {-7.0, -3.0, 3.0, 4.0, 5.0, 13.0, 64.0, 65.0, 2.5})
+    roots.push_back(g.binary(Op::Pow, x, c(exponent)));
+  roots.push_back(g.binary(Op::Pow, c(2), x));
+  roots.push_back(g.binary(Op::Pow, c(10), x));
+  const double infinity = std::numeric_limits<double>::infinity();
+  const std::vector<double> values{0.0, -0.0,  0.3,    -0.7,  1.0,      -1.0,      2.5,
+                                   1e6, -3e17, 1e-320, 1e300, infinity, -infinity, std::numeric_limits<double>::quiet_NaN()};
+  for (const double a : values)
+    for (const double b : {0.5, 0.0, infinity, std::numeric_limits<double>::quiet_NaN()})
+      run(roots, {a, b});
+}
+
+TEST_F(GeneratedCode, SelectTakesOneBranchAtZeroAndOne) {
+  const NodeId alpha = g.symbol(SymbolKind::StepVariable, 0);
+  const NodeId nan = g.unary(Op::Sqrt, y);  // y < 0
+  for (const int optimization : {0, 2, 3}) {
+    EXPECT_EQ(run({g.select(alpha, x, nan)}, {3, -1}, 1, optimization)[0], 3);
+    EXPECT_EQ(run({g.select(alpha, nan, x)}, {3, -1}, 0, optimization)[0], 3);
+    EXPECT_TRUE(std::isnan(run({g.select(alpha, nan, x)}, {3, -1}, 1, optimization)[0]));
+    EXPECT_EQ(run({g.select(alpha, x, y)}, {3, -1}, 0.25, optimization)[0], 0.25 * 3 + 0.75 * -1);
+  }
+}
+
+TEST_F(GeneratedCode, ConditionsAreBits) {
+  const NodeId condition =
+      g.binary(Op::Or, g.binary(Op::And, g.binary(Op::Less, x, y), g.binary(Op::Less, c(0), x)), g.binary(Op::Equal, x, c(-2)));
+  const std::vector<NodeId> roots{g.ternary(Op::IfElse, condition, x, y), condition, g.add(g.unary(Op::Not, condition), x)};
+  EXPECT_EQ(run(roots, {1, 2}), (std::vector<double>{1, 1, 1}));
+  EXPECT_EQ(run(roots, {-1, 2}), (std::vector<double>{2, 0, 0}));
+  EXPECT_EQ(run(roots, {-2, 2}), (std::vector<double>{-2, 1, -2}));
+  // Only the two outputs that are numbers are converted.
+  const std::string text = emit(compiled.source(), EmitKind::LlvmIr, {2, ""});
+  int conversions = 0;
+  for (std::size_t at = text.find("uitofp"); at != std::string::npos; at = text.find("uitofp", at + 1))
+    ++conversions;
+  EXPECT_EQ(conversions, 2) << text;
+}
+
+TEST_F(GeneratedCode, LongRunsOfZerosAreCleared) {
+  std::vector<NodeId> roots(100, c(0));
+  roots[40] = x;
+  roots[99] = y;
+  const auto values = run(roots, {3, 4});
+  EXPECT_EQ(values[40], 3);
+  EXPECT_EQ(values[99], 4);
+  EXPECT_LT(emit(compiled.source(), EmitKind::LlvmIr, {0, ""}).size(), 4000U);
+}
+
+TEST_F(GeneratedCode, UnmaskedRowsAndTheirInputsAreLeftAlone) {
+  const NodeId shared = g.unary(Op::Sin, x);
+  const ir::Function function{"dynamics", {3}, 2, {{0, 0, g.add(shared, y), 0}, {0, 1, g.mul(shared, y), 1}, {0, 2, c(7), -1}}};
+  compiled.functions = asDynamics(function);
+  const auto inMemory = compileInMemory(compiled.source(), {2, ""});
+  Call call(function);
+  call.inputs[TF_IN_Z] = {0.5, 2};
+  call.run(inMemory->model()->dynamics, {0, 255});
+  EXPECT_EQ(call.outputs[0], (std::vector<double>{untouched, std::sin(0.5) * 2, 7}));
+}
+
+TEST_F(GeneratedCode, SquareRootIsAnInstructionAndCallsNeedNoStub) {
+  const NodeId root = g.add(g.unary(Op::Sqrt, x), g.unary(Op::Sin, y));
+  const ir::Function function{"dynamics", {1}, 0, {{0, 0, root, -1}}};
+  compiled.functions = asDynamics(function);
+  const std::string text = emit(compiled.source(), EmitKind::Assembly, {2, ""});
+#ifdef __x86_64__
+  EXPECT_NE(text.find("sqrtsd"), std::string::npos) << text;
+  EXPECT_NE(text.find("*sin@GOTPCREL"), std::string::npos) << text;
+#endif
+  EXPECT_EQ(text.find("@PLT"), std::string::npos) << text;
+}
+
+TEST(GeneratedFiles, TheSameInputGivesTheSameBytes) {
+  for (const EmitKind kind : {EmitKind::LlvmIr, EmitKind::Assembly, EmitKind::Object, EmitKind::SharedLibrary}) {
+    const Compiled first = randomFunction(5, 3000, 3);
+    const Compiled second = randomFunction(5, 3000, 3);
+    EXPECT_TRUE(emit(first.source(), kind, {2, "h"}) == emit(second.source(), kind, {2, "h"})) << static_cast<int>(kind);
+  }
+}
+
+}  // namespace
+}  // namespace tf::codegen::testing
