@@ -45,8 +45,9 @@ struct FrozenBreakpoint {
 
 enum class FrozenStatus : std::uint8_t {
   Finished,
-  Cycle,     // breakpoints repeat without contraction: the impact law has no end (see `rows`)
-  Unbounded  // a contact pushes forever: its row has no mobility (see `rows`)
+  Cycle,      // breakpoints repeat without contraction: the impact law has no end (see `rows`)
+  Unbounded,  // contacts push forever: they have no mobility left, as between closing walls (see `rows`)
+  Unsettled   // no successor of a breakpoint was found (see `rows`)
 };
 
 struct FrozenResult {
@@ -66,7 +67,8 @@ public:
   FrozenPhase &operator=(FrozenPhase &&) noexcept;
 
   // Follows the path to its end: all c2 ≥ 0 and nothing pushes. `forced` ≥ 0 is a normal row whose contact pushes although its c2 is 0:
-  // the frictional impulse of Painlevé's paradox, D_s < 0 (theory.md section 3). The reference is valid until the next call.
+  // the frictional impulse of Painlevé's paradox, D_s < 0 (theory.md section 3); nothing happens if that would not press it in further.
+  // The reference is valid until the next call.
   const FrozenResult &run(const FrozenProblem &problem, int forced = -1);
 
   // The path of the last run, its begin first; linear between neighbours.

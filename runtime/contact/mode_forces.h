@@ -22,6 +22,7 @@ enum class MarginOutcome : std::uint8_t {
   Rechosen   // the mode goes on with another least-norm representative (the margins have changed)
 };
 
+// The problem passed to `start` or `evaluate` last must exist while the results are used.
 class ModeForces {
 public:
   ModeForces();

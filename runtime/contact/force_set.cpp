@@ -1,0 +1,237 @@
+#include "runtime/contact/force_set.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// Redundant rows leave pivots of rounding size; smaller ones than this, with the diagonal of D scaled to 1, count as such.
+constexpr double singularMode = 1e-10;
+// Accepted contradiction between redundant rows: contacts that close a mechanism's last freedom do so within the accuracy of positions.
+constexpr double redundantResidual = 1e-6;
+
+}  // namespace
+
+void ForceSet::view(const ContactProblem &problem) {
+  const int m = problem.tangentCount;
+  offset_.resize(m);
+  for (int j = 0; j < m; ++j)
+    offset_[j] = problem.owner[j] < 0 ? problem.bound[j] : 0.0;
+  rows_ = {problem.normalCount, m, &problem.delassus, problem.bias.data(), problem.owner.data(), problem.friction.data(), offset_.data()};
+}
+
+void ForceSet::setMode(const ContactProblem &problem, const ContactMode &mode) {
+  const int n = problem.normalCount, m = problem.tangentCount;
+  view(problem);
+  active_.resize(n + m);
+  slip_.resize(m);
+  fixed_.assign(n, 0.0);
+  limits_.clear();
+  for (int i = 0; i < n; ++i) {
+    active_[i] = mode.closed[i];
+    if (mode.closed[i])
+      limits_.push_back({i, 0});
+  }
+  for (int j = 0; j < m; ++j) {
+    const int owner = problem.owner[j];
+    const bool loaded = owner < 0 || mode.closed[owner];
+    slip_[j] = loaded ? mode.slip[j] : std::int8_t{0};
+    active_[n + j] = loaded && mode.slip[j] == 0 ? 1 : 0;
+    if (active_[n + j]) {
+      limits_.push_back({n + j, 1});
+      limits_.push_back({n + j, -1});
+    }
+  }
+  equations_.setMode(rows_, active_.data(), slip_.data());
+  unknown_.resize(equations_.activeCount());
+  forces_.resize(n + m);
+  accelerations_.resize(n + m);
+}
+
+bool ForceSet::singular(const ContactProblem &problem) {
+  view(problem);
+  equations_.assemble(rows_, factor_.matrix());
+  DenseMatrix &A = factor_.matrix();
+  const std::vector<int> &active = equations_.active();
+  unknown_.resize(active.size());
+  for (std::size_t k = 0; k < active.size(); ++k) {
+    const double diagonal = problem.delassus(active[k], active[k]);
+    unknown_[k] = diagonal > 0 ? 1 / std::sqrt(diagonal) : 1.0;
+  }
+  for (int c = 0; c < A.cols(); ++c)
+    for (int r = 0; r < A.rows(); ++r)
+      A(r, c) *= unknown_[r] * unknown_[c];
+  return !factor_.factor(singularMode);
+}
+
+bool ForceSet::solveRegular(const ContactProblem &problem) {
+  view(problem);
+  equations_.assemble(rows_, factor_.matrix());
+  if (!factor_.factor(0))
+    return false;
+  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
+  factor_.solve(unknown_.data());
+  equations_.expand(rows_, unknown_.data(), forces_.data(), accelerations_.data());
+  for (const double f : forces_)
+    if (!std::isfinite(f))
+      return false;
+  return true;
+}
+
+// A ẋ = −(accelerationRate + D ḃ) with ḃ = −s limitRate on the slipping rows: the same equations with other data.
+void ForceSet::forceRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate) {
+  view(problem);
+  ContactRowData rates = rows_;
+  rates.bias = accelerationRate;
+  rates.offset = limitRate;
+  equations_.rightHandSide(rates, fixed_.data(), unknown_.data());
+  factor_.solve(unknown_.data());
+  ignored_.resize(forces_.size());
+  equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
+}
+
+// The same with the active limits kept: slack 0 = friction x_n + offset − side x_t has the derivative 0 too.
+void ForceSet::leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate) {
+  view(problem);
+  const int k = activeCount(), n = rows_.normalCount;
+  ContactRowData rates = rows_;
+  rates.bias = accelerationRate;
+  rates.offset = limitRate;
+  equations_.rightHandSide(rates, fixed_.data(), unknown_.data());
+  boundRate_.resize(length_.size());
+  for (int r = 0; r < k; ++r)
+    boundRate_[r] = unknown_[r] / length_[r];
+  for (std::size_t l = 0; l < limits_.size(); ++l)
+    boundRate_[k + l] = limits_[l].side == 0 ? 0.0 : -limitRate[limits_[l].row - n] / length_[k + l];
+  polyhedron_.pointOf(boundRate_.data(), unknown_.data());
+  for (int c = 0; c < k; ++c)
+    unknown_[c] /= weight_[c];
+  ignored_.resize(forces_.size());
+  equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
+}
+
+// Equations k: A_k x = rhs_k in y = weight·x, divided by the length of the row. ‖λ‖² = Σ weight² x² + constant: a normal force takes its
+// friction along.
+void ForceSet::loadEquations(LeastNorm &polyhedron) {
+  const int k = activeCount(), n = rows_.normalCount;
+  equations_.assemble(rows_, matrix_);
+  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
+  weight_.assign(k, 1.0);
+  for (int j = 0; j < rows_.tangentCount; ++j) {
+    const int owner = rows_.owner[j];
+    if (owner < 0 || equations_.position(owner) < 0)
+      continue;
+    const double factor = equations_.slipFactor(rows_, j);
+    weight_[equations_.position(owner)] += factor * factor;
+  }
+  for (double &w : weight_)
+    w = std::sqrt(w);
+  forceScale_ = 0;
+  for (int r = 0; r < k; ++r) {
+    double squares = 0;
+    for (int c = 0; c < k; ++c) {
+      matrix_(r, c) /= weight_[c];
+      squares += matrix_(r, c) * matrix_(r, c);
+    }
+    const double length = squares > 0 ? std::sqrt(squares) : 1.0;
+    double *normal = polyhedron.normal(r);
+    for (int c = 0; c < k; ++c)
+      normal[c] = matrix_(r, c) / length;
+    polyhedron.bound(r) = unknown_[r] / length;
+    length_[r] = length;
+    forceScale_ = std::max(forceScale_, std::abs(polyhedron.bound(r)));
+  }
+  for (int j = 0; j < rows_.tangentCount; ++j)
+    if (equations_.position(n + j) >= 0)
+      forceScale_ = std::max(forceScale_, rows_.offset[j]);
+  if (!(forceScale_ > 0))
+    forceScale_ = 1;
+}
+
+void ForceSet::loadLimits(LeastNorm &polyhedron) {
+  const int k = activeCount(), n = rows_.normalCount;
+  for (std::size_t l = 0; l < limits_.size(); ++l) {
+    const ForceLimit &side = limits_[l];
+    double *normal = polyhedron.normal(k + static_cast<int>(l));
+    std::fill_n(normal, k, 0.0);
+    const int own = equations_.position(side.row);
+    double bound = 0, length = 1 / weight_[own];
+    if (side.side == 0) {
+      normal[own] = length;
+    } else {
+      const int j = side.row - n, owner = rows_.owner[j];
+      normal[own] = -side.side / weight_[own];
+      if (owner >= 0) {
+        const int position = equations_.position(owner);
+        normal[position] = rows_.friction[j] / weight_[position];
+        length = std::hypot(length, normal[position]);
+      } else {
+        bound = -offset_[j];
+      }
+    }
+    for (int c = 0; c < k; ++c)
+      normal[c] /= length;
+    polyhedron.bound(k + static_cast<int>(l)) = bound / length;
+    length_[k + l] = length;
+  }
+}
+
+void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
+  polyhedron.resize(activeCount(), activeCount(), static_cast<int>(limits_.size()));
+  length_.resize(activeCount() + limits_.size());
+  loadEquations(polyhedron);
+  loadLimits(polyhedron);
+}
+
+void ForceSet::expandPoint() {
+  const std::vector<double> &point = polyhedron_.point();
+  for (int k = 0; k < activeCount(); ++k)
+    unknown_[k] = point[k] / weight_[k];
+  equations_.expand(rows_, unknown_.data(), forces_.data(), accelerations_.data());
+}
+
+LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double tolerance) {
+  view(problem);
+  loadPolyhedron(polyhedron_);
+  const LeastNorm::Status status = polyhedron_.solve(tolerance * forceScale_, redundantResidual * forceScale_);
+  expandPoint();
+  return status;
+}
+
+bool ForceSet::solveActive(const ContactProblem &problem) {
+  view(problem);
+  loadPolyhedron(polyhedron_);
+  const bool independent = polyhedron_.solveActive();
+  if (independent)
+    expandPoint();
+  return independent;
+}
+
+// Projects a point far along the limit's normal onto the set: far enough, that is where the limit's slack is largest.
+bool ForceSet::canLeave(const ContactProblem &problem, int k, double tolerance) {
+  view(problem);
+  loadPolyhedron(far_);
+  const int constraint = activeCount() + k;
+  const double distance = 1e4 * forceScale_;
+  for (int c = 0; c < activeCount(); ++c)
+    far_.origin(c) = polyhedron_.point()[c] + distance * far_.normal(constraint)[c];
+  const LeastNorm::Status status = far_.solve(1e-8 * forceScale_, redundantResidual * forceScale_);
+  return status == LeastNorm::Status::Solved && far_.slack(constraint) > tolerance * forceScale_;
+}
+
+int ForceSet::saturated(int k) const {
+  const std::vector<int> &active = polyhedron_.active();
+  const auto found = std::find(active.begin(), active.end(), activeCount() + k);
+  return found == active.end() ? -1 : static_cast<int>(found - active.begin());
+}
+
+double ForceSet::slack(const ContactProblem &problem, int k) const {
+  const ForceLimit &side = limits_[k];
+  if (side.side == 0)
+    return forces_[side.row];
+  return problem.limit(side.row - problem.normalCount, forces_.data()) - side.side * forces_[side.row];
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,74 @@
+// All forces of one contact mode, a convex polyhedron: A x = rhs on the active rows, λ_n ≥ 0 and |λ_t| ≤ limit. More than one point where
+// contacts are redundant (D singular on the active rows); its representative is the least-norm force (theory.md section 6).
+#ifndef TF_RUNTIME_CONTACT_FORCE_SET_H
+#define TF_RUNTIME_CONTACT_FORCE_SET_H
+
+#include "runtime/contact/contact_problem.h"
+#include "runtime/contact/least_norm.h"
+#include "runtime/contact/mode_equations.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tf::runtime {
+
+class ForceSet {
+public:
+  // Begins a mode: which rows are active and which limits they have.
+  void setMode(const ContactProblem &problem, const ContactMode &mode);
+  [[nodiscard]] const ModeEquations &equations() const { return equations_; }
+  [[nodiscard]] const std::vector<ForceLimit> &limits() const { return limits_; }
+  [[nodiscard]] int activeCount() const { return equations_.activeCount(); }
+
+  // Whether the active rows are redundant at the problem's D.
+  bool singular(const ContactProblem &problem);
+
+  // The unique force; false where the matrix is singular. Results in forces(), accelerations().
+  bool solveRegular(const ContactProblem &problem);
+  // Directional derivative after solveRegular, or after solveLeastNorm or solveActive, see ModeForces::forceRates.
+  void forceRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
+  void leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
+
+  // The least-norm force. Tolerances are relative to the force scale of the problem.
+  LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance);
+  // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
+  bool solveActive(const ContactProblem &problem);
+  // After solveLeastNorm: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force scale.
+  bool canLeave(const ContactProblem &problem, int k, double tolerance);
+
+  // limits()[k] is saturated by the representative: index among the active constraints, or −1.
+  [[nodiscard]] int saturated(int k) const;
+  // Of a saturated limit, in the unit of forces.
+  [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
+  // Slack of limits()[k] at forces().
+  [[nodiscard]] double slack(const ContactProblem &problem, int k) const;
+  LeastNorm::Status activate(int k) { return polyhedron_.activate(activeCount() + k); }
+  void release(int k) { polyhedron_.release(activeCount() + k); }
+
+  [[nodiscard]] const std::vector<double> &forces() const { return forces_; }
+  [[nodiscard]] const std::vector<double> &accelerations() const { return accelerations_; }
+  [[nodiscard]] double forceScale() const { return forceScale_; }
+
+private:
+  void view(const ContactProblem &problem);
+  void loadPolyhedron(LeastNorm &polyhedron);
+  void loadEquations(LeastNorm &polyhedron);
+  void loadLimits(LeastNorm &polyhedron);
+  void expandPoint();
+
+  ContactRowData rows_;
+  ModeEquations equations_;
+  LuFactor factor_;
+  LeastNorm polyhedron_, far_;
+  std::vector<ForceLimit> limits_;
+  std::vector<std::uint8_t> active_;
+  std::vector<std::int8_t> slip_;
+  std::vector<double> offset_, fixed_, unknown_, weight_, forces_, accelerations_, ignored_;
+  std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
+  DenseMatrix matrix_;
+  double forceScale_ = 0;
+};
+
+}  // namespace tf::runtime
+
+#endif

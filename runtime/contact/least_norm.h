@@ -1,0 +1,65 @@
+// The point of a polyhedron nearest to an origin: min ½‖x − x₀‖² subject to nᵀx = c for the first constraints, nᵀx ≥ c for the others.
+// Dual active-set method (Goldfarb and Idnani, Mathematical Programming 27, 1983) with Hessian I: it starts at x₀ and adds one violated
+// constraint after the other, so that an empty polyhedron is proved, not guessed. Dependent equations are found and left out.
+#ifndef TF_RUNTIME_CONTACT_LEAST_NORM_H
+#define TF_RUNTIME_CONTACT_LEAST_NORM_H
+
+#include "runtime/contact/dense.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tf::runtime {
+
+class LeastNorm {
+public:
+  enum class Status : std::uint8_t { Solved, Empty, Contradictory };  // Contradictory: the equations alone
+
+  // All data are undefined afterwards but the origin, which is 0. Normals should have about unit length.
+  void resize(int variables, int equations, int inequalities);
+  double *normal(int constraint) { return normals_.column(constraint); }
+  double &bound(int constraint) { return bounds_[constraint]; }
+  double &origin(int variable) { return origin_[variable]; }
+
+  // `tolerance`: accepted violation of an inequality, `equationTolerance` of an equation that depends on others.
+  Status solve(double tolerance, double equationTolerance);
+  // The same active set for other data: least norm with the independent equations and active inequalities of the last `solve` as
+  // equations. False where they have become dependent.
+  bool solveActive();
+  // The least-norm point (origin 0) of the active constraints as equations with other bounds.
+  void pointOf(const double *bounds, double *point);
+  // A value of `slack` is zero and about to become negative. Empty: no point of the polyhedron remains. Changes the active set only.
+  Status activate(int constraint);
+  // Removes an active inequality whose multiplier is about to become negative.
+  void release(int constraint);
+
+  [[nodiscard]] const std::vector<double> &point() const { return x_; }
+  // Constraints that hold as equations: the independent equations, then inequalities.
+  [[nodiscard]] const std::vector<int> &active() const { return active_; }
+  // Of active()[k]; ≥ 0 for inequalities.
+  [[nodiscard]] const std::vector<double> &multipliers() const { return multipliers_; }
+  [[nodiscard]] double slack(int constraint) const;
+  // Some equation depends on the others.
+  [[nodiscard]] bool dependent() const { return dependent_; }
+
+private:
+  void clearActive();
+  double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖
+  void append(int constraint, double multiplier, double length);
+  void removeAt(int k);
+  void dualDirection();  // r = R⁻¹ d₁
+  void solveTransposed(const double *c);
+  int blocking(double &step) const;
+  Status addEquation(int constraint, double tolerance);
+  Status addInequality(int constraint, double tolerance);
+
+  int variables_ = 0, equations_ = 0, constraints_ = 0;
+  DenseMatrix normals_, basis_, triangle_;  // J = (J₁ J₂) orthogonal, N = J₁ R
+  std::vector<double> bounds_, origin_, x_, d_, r_, z_, multipliers_;
+  std::vector<int> active_, order_;
+  bool dependent_ = false;
+};
+
+}  // namespace tf::runtime
+
+#endif

@@ -1,0 +1,30 @@
+// LU factorisation with partial pivoting for the small dense systems of contact modes, without allocation after the largest size.
+#ifndef TF_RUNTIME_CONTACT_LU_FACTOR_H
+#define TF_RUNTIME_CONTACT_LU_FACTOR_H
+
+#include "runtime/contact/dense.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+class LuFactor {
+public:
+  // The square matrix to be factorised: fill it, then call `factor`, which overwrites it.
+  DenseMatrix &matrix() { return lu_; }
+  [[nodiscard]] const DenseMatrix &matrix() const { return lu_; }
+
+  // False where a pivot's magnitude is not above `singular` times the largest entry of the matrix (or not finite).
+  bool factor(double singular);
+
+  // b ← A⁻¹ b.
+  void solve(double *b) const;
+
+private:
+  DenseMatrix lu_;
+  std::vector<int> pivot_;
+};
+
+}  // namespace tf::runtime
+
+#endif

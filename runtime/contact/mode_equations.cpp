@@ -1,0 +1,92 @@
+#include "runtime/contact/mode_equations.h"
+
+#include <algorithm>
+
+namespace tf::runtime {
+
+void ModeEquations::setMode(const ContactRowData &rows, const std::uint8_t *active, const std::int8_t *slip) {
+  const int n = rows.normalCount, m = rows.tangentCount;
+  active_.clear();
+  slipping_.clear();
+  position_.resize(n + m);
+  slip_.resize(m);
+  constant_.resize(n + m);
+  for (int r = 0; r < n + m; ++r) {
+    position_[r] = active[r] ? static_cast<int>(active_.size()) : -1;
+    if (active[r])
+      active_.push_back(r);
+  }
+  for (int j = 0; j < m; ++j) {
+    slip_[j] = active[n + j] ? std::int8_t{0} : slip[j];
+    if (slip_[j] != 0)
+      slipping_.push_back(j);
+  }
+}
+
+void ModeEquations::assemble(const ContactRowData &rows, DenseMatrix &matrix) const {
+  const int k = activeCount(), n = rows.normalCount;
+  matrix.resize(k, k);
+  for (int c = 0; c < k; ++c) {
+    const double *source = rows.delassus->column(active_[c]);
+    double *target = matrix.column(c);
+    for (int r = 0; r < k; ++r)
+      target[r] = source[active_[r]];
+  }
+  for (const int j : slipping_) {
+    const int owner = rows.owner[j];
+    if (owner < 0 || position_[owner] < 0)
+      continue;
+    const double factor = slipFactor(rows, j);
+    const double *source = rows.delassus->column(n + j);
+    double *target = matrix.column(position_[owner]);
+    for (int r = 0; r < k; ++r)
+      target[r] += factor * source[active_[r]];
+  }
+}
+
+void ModeEquations::rightHandSide(const ContactRowData &rows, const double *fixedForce, double *rhs) {
+  const int k = activeCount(), n = rows.normalCount;
+  std::fill(constant_.begin(), constant_.end(), 0.0);
+  for (int i = 0; i < n; ++i)
+    if (position_[i] < 0)
+      constant_[i] = fixedForce[i];
+  for (const int j : slipping_) {
+    const int owner = rows.owner[j];
+    const double limit = rows.offset[j] + (owner >= 0 ? rows.friction[j] * constant_[owner] : 0.0);
+    constant_[n + j] = -slip_[j] * limit;
+  }
+  for (int r = 0; r < k; ++r)
+    rhs[r] = -rows.bias[active_[r]];
+  for (int c = 0; c < n + rows.tangentCount; ++c) {
+    const double force = constant_[c];
+    if (force == 0)
+      continue;
+    const double *column = rows.delassus->column(c);
+    for (int r = 0; r < k; ++r)
+      rhs[r] -= column[active_[r]] * force;
+  }
+}
+
+void ModeEquations::expand(const ContactRowData &rows, const double *x, double *force, double *acceleration) const {
+  const int n = rows.normalCount, count = n + rows.tangentCount;
+  for (int r = 0; r < count; ++r) {
+    force[r] = position_[r] >= 0 ? x[position_[r]] : constant_[r];
+    acceleration[r] = rows.bias[r];
+  }
+  for (const int j : slipping_) {
+    const int owner = rows.owner[j];
+    if (owner >= 0 && position_[owner] >= 0)
+      force[n + j] += slipFactor(rows, j) * force[owner];
+  }
+  for (int c = 0; c < count; ++c) {
+    if (force[c] == 0)
+      continue;
+    const double *column = rows.delassus->column(c);
+    for (int r = 0; r < count; ++r)
+      acceleration[r] += column[r] * force[c];
+  }
+  for (const int r : active_)
+    acceleration[r] = 0;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,95 @@
+#include "runtime/contact/mode_forces.h"
+
+#include "runtime/contact/force_set.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// Inequalities hold to this, relative to the force scale, where a representative is chosen: events are located to rounding, not exactly.
+constexpr double feasibility = 1e-9;
+
+}  // namespace
+
+struct ModeForces::Workspace {
+  ForceSet set;
+  bool redundant = false;
+  const ContactProblem *problem = nullptr;  // of the last evaluation
+  std::vector<ModeMargin> margins;
+  std::vector<double> values;
+
+  void listMargins() {
+    margins.clear();
+    for (std::size_t k = 0; k < set.limits().size(); ++k)
+      margins.push_back({set.limits()[k], redundant && set.saturated(static_cast<int>(k)) >= 0});
+    values.resize(margins.size());
+  }
+  void evaluateMargins(const ContactProblem &at) {
+    problem = &at;
+    for (std::size_t k = 0; k < margins.size(); ++k) {
+      const int limit = static_cast<int>(k);
+      values[k] = margins[k].multiplier ? set.multiplier(set.saturated(limit)) : set.slack(at, limit);
+    }
+  }
+};
+
+ModeForces::ModeForces() : work_(std::make_unique<Workspace>()) {}
+ModeForces::~ModeForces() = default;
+ModeForces::ModeForces(ModeForces &&) noexcept = default;
+ModeForces &ModeForces::operator=(ModeForces &&) noexcept = default;
+
+bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode) {
+  Workspace &w = *work_;
+  w.set.setMode(problem, mode);
+  w.redundant = w.set.singular(problem);
+  bool valid = true;
+  if (w.redundant)
+    valid = w.set.solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved;
+  else
+    valid = w.set.solveRegular(problem);
+  w.listMargins();
+  w.evaluateMargins(problem);
+  return valid;
+}
+
+bool ModeForces::evaluate(const ContactProblem &problem) {
+  Workspace &w = *work_;
+  const bool valid = w.redundant ? w.set.solveActive(problem) : w.set.solveRegular(problem);
+  if (valid)
+    w.evaluateMargins(problem);
+  return valid;
+}
+
+std::span<const double> ModeForces::forces() const { return work_->set.forces(); }
+std::span<const double> ModeForces::accelerations() const { return work_->set.accelerations(); }
+bool ModeForces::redundant() const { return work_->redundant; }
+std::span<const ModeMargin> ModeForces::margins() const { return work_->margins; }
+std::span<const double> ModeForces::marginValues() const { return work_->values; }
+
+MarginOutcome ModeForces::cross(int margin) {
+  Workspace &w = *work_;
+  if (!w.redundant)
+    return MarginOutcome::ModeEnds;
+  if (w.margins[margin].multiplier)
+    w.set.release(margin);
+  else if (w.set.activate(margin) == LeastNorm::Status::Empty)
+    return MarginOutcome::ModeEnds;
+  w.listMargins();
+  w.evaluateMargins(*w.problem);
+  return MarginOutcome::Rechosen;
+}
+
+void ModeForces::forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate,
+                            std::span<double> forceRate) const {
+  Workspace &w = *work_;
+  if (w.redundant)
+    w.set.leastNormRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
+  else
+    w.set.forceRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
+}
+
+}  // namespace tf::runtime

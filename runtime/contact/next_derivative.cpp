@@ -1,0 +1,183 @@
+#include "runtime/contact/next_derivative.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+double metricOf(const ContactProblem &problem, int row) {
+  const double diagonal = problem.delassus(row, row);
+  return diagonal > 0 ? std::sqrt(diagonal) : 1.0;
+}
+
+// The size of the problem's data in the metric of D.
+double magnitudeOf(const ContactProblem &problem) {
+  double magnitude = 0;
+  for (int r = 0; r < problem.count(); ++r)
+    magnitude = std::max(magnitude, std::abs(problem.bias[r]) / metricOf(problem, r));
+  for (int j = 0; j < problem.tangentCount; ++j)
+    if (problem.owner[j] < 0)
+      magnitude = std::max(magnitude, problem.bound[j] * metricOf(problem, problem.normalCount + j));
+  return magnitude;
+}
+
+}  // namespace
+
+void NextDerivative::pose(const ContactProblem &problem, const ContactRates &rates, double degeneracy, const ContactSolution &solution) {
+  const int n = problem.normalCount, m = problem.tangentCount;
+  PlanarFrictionProblem &p = solver_.problem();
+  p.resize(n, m);
+  std::copy_n(problem.delassus.data(), (n + m) * (n + m), p.delassus.data());
+  std::copy_n(rates.accelerationRate.begin(), n + m, p.bias.begin());
+  degenerate_.assign(n + m, 0);
+  for (const int row : solution.degenerate)
+    degenerate_[row] = 1;
+  for (int i = 0; i < n; ++i) {
+    if (degenerate_[i])
+      continue;
+    p.normalKind[i] = solution.mode.closed[i] ? NormalKind::Bilateral : NormalKind::Prescribed;
+    if (!solution.mode.closed[i])
+      p.upper[i] = 0;
+  }
+  const double magnitude = magnitudeOf(problem);
+  for (int j = 0; j < m; ++j)
+    poseTangent(problem, rates, solution, degeneracy * magnitude / metricOf(problem, n + j), j);
+  dropDependent();
+}
+
+void NextDerivative::poseTangent(const ContactProblem &problem, const ContactRates &rates, const ContactSolution &solution,
+                                 double zeroForce, int j) {
+  PlanarFrictionProblem &p = solver_.problem();
+  const int n = problem.normalCount, owner = problem.owner[j];
+  p.owner[j] = owner;
+  p.friction[j] = owner >= 0 ? problem.friction[j] : 0.0;
+  p.offset[j] = owner >= 0 ? rates.frictionRate[j] * solution.forces[owner] : rates.boundRate[j];
+  const bool open = owner >= 0 && !degenerate_[owner] && !solution.mode.closed[owner];
+  const bool without =
+      owner >= 0 ? problem.friction[j] == 0 && rates.frictionRate[j] == 0 : problem.bound[j] == 0 && rates.boundRate[j] == 0;
+  if (open || without) {
+    p.tangentKind[j] = TangentKind::None;
+    return;
+  }
+  const int slip = problem.slipSign[j] != 0 ? problem.slipSign[j] : solution.mode.slip[j];
+  const double force = solution.forces[n + j];
+  if (problem.slipSign[j] != 0 || (!degenerate_[n + j] && slip != 0)) {
+    p.tangentKind[j] = TangentKind::Slip;
+    p.sign[j] = static_cast<std::int8_t>(slip);
+  } else if (!degenerate_[n + j]) {
+    p.tangentKind[j] = TangentKind::Bilateral;
+  } else if (problem.limit(j, solution.forces.data()) <= zeroForce) {
+    p.tangentKind[j] = TangentKind::TwoSided;
+    p.offset[j] = std::max(p.offset[j], 0.0);
+  } else {
+    p.tangentKind[j] = TangentKind::OneSided;
+    p.sign[j] = static_cast<std::int8_t>(force > 0 ? 1 : -1);
+  }
+}
+
+// Of redundant rows that keep w = 0, a maximal independent subset (pivoted Cholesky factorisation of D) is enough: the accelerations of
+// the others follow, and their forces' rates are free, here zero.
+void NextDerivative::dropDependent() {
+  PlanarFrictionProblem &p = solver_.problem();
+  const int n = p.normalCount;
+  bilateral_.clear();
+  for (int r = 0; r < n + p.tangentCount; ++r)
+    if (r < n ? p.normalKind[r] == NormalKind::Bilateral : p.tangentKind[r - n] == TangentKind::Bilateral)
+      bilateral_.push_back(r);
+  const int k = static_cast<int>(bilateral_.size());
+  gram_.resize(k, k);
+  remaining_.assign(k, 1.0);
+  for (int step = 0; step < k; ++step) {
+    int best = -1;
+    for (int r = 0; r < k; ++r)
+      if (remaining_[r] > 0 && (best < 0 || remaining_[r] > remaining_[best] * (1 + 1e-12)))
+        best = r;
+    const int row = bilateral_[best];
+    const double pivot = remaining_[best];
+    remaining_[best] = -1;
+    if (pivot <= 1e-10) {
+      if (row < n) {
+        p.normalKind[row] = NormalKind::Prescribed;
+        p.upper[row] = 0;
+      } else {
+        p.tangentKind[row - n] = TangentKind::None;
+      }
+      std::fill_n(gram_.column(step), k, 0.0);
+      continue;
+    }
+    const double root = std::sqrt(pivot);
+    for (int r = 0; r < k; ++r) {
+      const int other = bilateral_[r];
+      const double scale = std::sqrt(p.delassus(other, other) * p.delassus(row, row));
+      double value = scale > 0 ? p.delassus(other, row) / scale : 0.0;
+      for (int c = 0; c < step; ++c)
+        value -= gram_(r, c) * gram_(best, c);
+      gram_(r, step) = value / root;
+      if (remaining_[r] > 0)
+        remaining_[r] = std::max(remaining_[r] - gram_(r, step) * gram_(r, step), 1e-300);
+    }
+  }
+}
+
+// True: decided.
+bool NextDerivative::labelNormal(int i, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const {
+  const double metric = solver_.metric()[i];
+  const bool opens = found.acceleration[i] / metric > zero, closes = found.force[i] * metric > zero;
+  solution.mode.closed[i] = opens ? 0 : closes || found.mode.normal[i] == NormalState::Active ? 1 : 0;
+  return opens || closes;
+}
+
+bool NextDerivative::labelTangent(int n, int j, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const {
+  const PlanarFrictionProblem &p = solver_.problem();
+  const double metric = solver_.metric()[n + j];
+  const double acceleration = found.acceleration[n + j] / metric;
+  const int owner = p.owner[j];
+  const double limit = p.offset[j] + (owner >= 0 ? p.friction[j] * found.force[owner] : 0.0);
+  const double side = p.tangentKind[j] == TangentKind::OneSided ? p.sign[j] : found.force[n + j] > 0 ? 1 : -1;
+  const bool sticks = (limit - side * found.force[n + j]) * metric > zero;
+  if (std::abs(acceleration) > zero) {
+    solution.mode.slip[j] = static_cast<std::int8_t>(acceleration > 0 ? 1 : -1);
+    return true;
+  }
+  solution.mode.slip[j] = sticks ? std::int8_t{0} : found.mode.slip[j];
+  return sticks || p.tangentKind[j] == TangentKind::None;
+}
+
+void NextDerivative::label(const ContactProblem &problem, double degeneracy, const PlanarFrictionSolution &found,
+                           ContactSolution &solution) const {
+  const int n = problem.normalCount;
+  const double zero = degeneracy * found.scale;
+  std::size_t kept = 0;
+  for (const int row : solution.degenerate) {
+    const bool decided = row < n ? labelNormal(row, zero, found, solution) : labelTangent(n, row - n, zero, found, solution);
+    const bool inactive = row >= n && problem.owner[row - n] >= 0 && !solution.mode.closed[problem.owner[row - n]];
+    if (!decided && !inactive)
+      solution.degenerate[kept++] = row;
+  }
+  solution.degenerate.resize(kept);
+}
+
+void NextDerivative::decide(const ContactProblem &problem, const ContactRates &rates, const ContactMode *previous,
+                            const ContactSolver::Settings &settings, ContactSolution &solution) {
+  pose(problem, rates, settings.degeneracy, solution);
+  const PlanarFrictionMode *preferred = nullptr;
+  if (previous != nullptr) {
+    previous_.slip.assign(previous->slip.begin(), previous->slip.end());
+    previous_.normal.resize(previous->closed.size());
+    for (std::size_t i = 0; i < previous->closed.size(); ++i)
+      previous_.normal[i] =
+          previous->closed[i] && solver_.problem().normalKind[i] != NormalKind::Prescribed ? NormalState::Active : NormalState::Off;
+    preferred = &previous_;
+  }
+  const PlanarFrictionSolution &found = solver_.solve(preferred, settings.feasibility);
+  forceRates_ = found.force;
+  if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled) {
+    solution.status = ContactStatus::Unsettled;
+    return;
+  }
+  label(problem, settings.degeneracy, found, solution);
+}
+
+}  // namespace tf::runtime
