@@ -4,12 +4,12 @@
 #include "runtime/model/input_signals.h"
 #include "runtime/model/loaded_model.h"
 #include "runtime/model/model_instance.h"
+#include "runtime/saved_state.h"
 #include "runtime/simulate/simulation.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
 #include <exception>
 #include <limits>
 #include <memory>
@@ -55,23 +55,6 @@ struct Content {
   std::vector<double> values;  // all variables at the current point
   bool valuesAreCurrent = false;
 };
-
-// What tf_save_state puts in front of the simulation's own state.
-struct StateHeader {
-  std::uint64_t mark;
-  std::uint64_t size;         // of everything
-  std::uint64_t fingerprint;  // of model and parameters
-};
-
-constexpr std::uint64_t stateMark = 0x3153544154534654u;  // "TFSTATS1"
-
-// FNV-1a.
-std::uint64_t hashBytes(std::uint64_t hash, const void *data, std::size_t size) {
-  const auto *bytes = static_cast<const unsigned char *>(data);
-  for (std::size_t i = 0; i < size; ++i)
-    hash = (hash ^ bytes[i]) * 0x100000001b3u;
-  return hash;
-}
 
 }  // namespace
 
@@ -185,15 +168,6 @@ template <class Body> tf_status run(const tf_simulation *simulation, Content &co
     simulation->error = content.simulation->errorText();
   return status;
 }
-
-std::uint64_t fingerprint(const Content &content) {
-  const tf_model &model = content.instance.model();
-  const std::uint64_t hash = hashBytes(0xcbf29ce484222325u, model.hash, std::strlen(model.hash));
-  const auto parameters = content.instance.parameters();
-  return hashBytes(hash, parameters.data(), parameters.size_bytes());
-}
-
-std::size_t savedSize(const Content &content) { return sizeof(StateHeader) + content.simulation->stateSize(); }
 
 tf_status createContent(tf_simulation *simulation, const tf_model &model) {
   simulation->content = std::make_unique<Content>(model);
@@ -465,7 +439,7 @@ size_t tf_state_size(const tf_simulation *simulation) {
   std::size_t size = 0;
   guarded(simulation, [&](const Content &content) {
     TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
-    size = savedSize(content);
+    size = tf::runtime::savedStateSize(content.inputs, *content.simulation);
     return TF_OK;
   });
   return size;
@@ -475,14 +449,10 @@ tf_status tf_save_state(const tf_simulation *simulation, void *buffer, size_t si
   return guarded(simulation, [&](const Content &content) {
     TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
-    const StateHeader header{stateMark, savedSize(content), fingerprint(content)};
-    if (buffer == nullptr || size < header.size)
-      return bad(simulation, fmt::format("the state needs {} bytes", header.size));
-    std::memcpy(buffer, &header, sizeof header);
-    // Through memory of the right alignment: the caller's buffer may have any.
-    std::vector<std::max_align_t> aligned((header.size - sizeof header + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t));
-    content.simulation->save(aligned.data());
-    std::memcpy(static_cast<char *>(buffer) + sizeof header, aligned.data(), header.size - sizeof header);
+    const std::size_t needed = tf::runtime::savedStateSize(content.inputs, *content.simulation);
+    if (buffer == nullptr || size < needed)
+      return bad(simulation, fmt::format("the state needs {} bytes", needed));
+    tf::runtime::saveState(content.instance, content.inputs, *content.simulation, buffer);
     return TF_OK;
   });
 }
@@ -491,18 +461,8 @@ tf_status tf_restore_state(tf_simulation *simulation, const void *buffer, size_t
   return guarded(simulation, [&](Content &content) {
     TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
-    StateHeader header{};
-    if (buffer != nullptr && size >= sizeof header)
-      std::memcpy(&header, buffer, sizeof header);
-    if (header.mark != stateMark || header.size > size)
-      return bad(simulation, "this is not a saved state");
-    if (header.size != savedSize(content) || header.fingerprint != fingerprint(content))
-      return bad(simulation, "the state is of another model or of other parameters");
-    std::vector<std::max_align_t> aligned((header.size - sizeof header + sizeof(std::max_align_t) - 1) / sizeof(std::max_align_t));
-    std::memcpy(aligned.data(), static_cast<const char *>(buffer) + sizeof header, header.size - sizeof header);
-    content.simulation->restore(aligned.data());
     content.valuesAreCurrent = false;
-    return TF_OK;
+    return report(simulation, tf::runtime::restoreState(content.instance, content.inputs, *content.simulation, buffer, size));
   });
 }
 

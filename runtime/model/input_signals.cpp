@@ -27,7 +27,8 @@ Outcome<void> checkPoints(std::span<const double> times, std::span<const double>
 }  // namespace
 
 InputSignals::InputSignals(std::int32_t count)
-    : defaults_(static_cast<std::size_t>(count)), constants_(static_cast<std::size_t>(count)), given_(static_cast<std::size_t>(count)) {}
+    : defaults_(static_cast<std::size_t>(count)), constants_(static_cast<std::size_t>(count)), given_(static_cast<std::size_t>(count)),
+      varying_(static_cast<std::size_t>(count)) {}
 
 void InputSignals::setDefaults(std::span<const double> values) {
   std::copy(values.begin(), values.end(), defaults_.begin());
@@ -42,10 +43,13 @@ void InputSignals::remove(std::int32_t input) {
   std::erase_if(tables_, ofInput);
   std::erase_if(functions_, ofInput);
   given_[static_cast<std::size_t>(input)] = 1;
+  varying_[static_cast<std::size_t>(input)] = 0;
   ++revision_;
 }
 
 void InputSignals::setConstant(std::int32_t input, double value) {
+  if (isGiven(input) && constant(input) == value)
+    return;
   remove(input);
   constants_[static_cast<std::size_t>(input)] = value;
 }
@@ -73,15 +77,22 @@ Outcome<void> InputSignals::setTable(std::int32_t input, std::span<const double>
     }
   }
   tables_.push_back(std::move(table));
+  varying_[static_cast<std::size_t>(input)] = 1;
   return {};
 }
 
 void InputSignals::setFunction(std::int32_t input, InputFunction function) {
   remove(input);
   functions_.push_back({input, std::move(function)});
+  varying_[static_cast<std::size_t>(input)] = 1;
 }
 
 bool InputSignals::isGiven(std::int32_t input) const { return given_[static_cast<std::size_t>(input)] != 0; }
+
+std::optional<double> InputSignals::constant(std::int32_t input) const {
+  const auto i = static_cast<std::size_t>(input);
+  return varying_[i] != 0 ? std::nullopt : std::optional(constants_[i]);
+}
 
 // Successive look-ups are near one another: the remembered piece, its neighbours, then all.
 const InputSignals::Piece &InputSignals::Table::at(double segment) const {
@@ -101,8 +112,8 @@ const InputSignals::Piece &InputSignals::Table::at(double segment) const {
 double InputSignals::Function::rate(double time, double segment) const {
   if (function.rate)
     return function.rate(time, segment);
-  const double wanted = 1e-3 * std::max(1e-2, std::min(1.0, std::abs(time)));
-  const double h = (time + wanted) - time;  // representable
+  const double wanted = std::max(1e-4, 1e-6 * std::abs(time));  // truncation (omega h)^4/30, rounding 1e-16/h
+  const double h = (time + wanted) - time;                      // representable
   const auto value = [&](double step) { return function.value(time + step, segment); };
   const double central = (8 * (value(h) - value(-h)) - (value(2 * h) - value(-2 * h))) / (12 * h);
   if (std::isfinite(central))

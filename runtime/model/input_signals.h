@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,9 @@ enum class Interpolation : std::uint8_t { ZeroOrderHold, Linear };
 // values are meant.
 struct InputFunction {
   std::function<double(double time, double segment)> value;
-  std::function<double(double time, double segment)> rate;  // du/dt; empty: by differences of `value` (relative error about 1e-10)
-  std::function<double(double time)> nextBreakpoint;        // the first one after time, infinity if there is none; empty: none
+  std::function<double(double time, double segment)>
+      rate;  // du/dt; empty: by differences of `value` (relative error 1e-10 where u changes over seconds)
+  std::function<double(double time)> nextBreakpoint;  // the first one after time, infinity if there is none; empty: none
 };
 
 class InputSignals {
@@ -28,6 +30,7 @@ public:
 
   // Values of the inputs that were not given otherwise: nu starts of the model.
   void setDefaults(std::span<const double> values);
+  // The same constant again is no change.
   void setConstant(std::int32_t input, double value);
   // Points with nondecreasing, finite times and finite values, at least one. Before the first: its value; after the last: its value. Equal
   // times are a jump (of more than two points the outer ones count); at a breakpoint itself the segment decides.
@@ -36,6 +39,8 @@ public:
 
   [[nodiscard]] std::int32_t count() const { return static_cast<std::int32_t>(defaults_.size()); }
   [[nodiscard]] bool isGiven(std::int32_t input) const;
+  // The value of an input that is constant for all times, given or not; nothing for tables and functions.
+  [[nodiscard]] std::optional<double> constant(std::int32_t input) const;
 
   // u [nu] and, unless null, du/dt [nu] at `time` of the smooth piece that `segment` lies strictly inside: at a breakpoint the limit from
   // that side. No allocation.
@@ -68,7 +73,7 @@ private:
   void remove(std::int32_t input);
 
   std::vector<double> defaults_, constants_;  // nu; constants_ is what evaluate copies
-  std::vector<std::uint8_t> given_;
+  std::vector<std::uint8_t> given_, varying_;
   std::vector<Table> tables_;
   std::vector<Function> functions_;
   std::uint64_t revision_ = 0;

@@ -160,21 +160,19 @@ public:
 private:
   Outcome<void> readHeader(const Row &header) {
     header_ = header;
-    bool hasTime = false;
     for (std::size_t i = 0; i < header.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j)
         if (header[j].text == header[i].text)
           return scanner_.failure(header[i], fmt::format("column '{}' occurs twice", header[i].text));
       if (header[i].text == "time") {
-        hasTime = true;
         columns_.push_back({});
         continue;
       }
       if (auto added = addInput(header[i]); !added)
         return added;
     }
-    if (!hasTime)
-      return scanner_.failure(header[0], fmt::format("there is no column 'time'; the header row is {}", written(header)));
+    if (!hasTime())
+      return scanner_.failure(header[0], noTime());
     if (tables_.empty())
       return scanner_.failure(header[0], "there is no column of an input");
     return {};
@@ -203,8 +201,13 @@ private:
       return fmt::format("a header row with 'time' and names of inputs was expected, found the number {}", name);
     if (name.find(';') != std::string::npos)
       return fmt::format("fields must be separated by commas, found '{}'", name);
-    return instance_.unknownName(name, TF_KIND_INPUT);
+    return hasTime() ? instance_.unknownName(name, TF_KIND_INPUT) : noTime();
   }
+
+  [[nodiscard]] bool hasTime() const {
+    return std::any_of(header_.begin(), header_.end(), [](const Field &field) { return field.text == "time"; });
+  }
+  [[nodiscard]] std::string noTime() const { return fmt::format("there is no column 'time'; the header row is {}", written(header_)); }
 
   Outcome<void> readRow(const Row &row) {
     if (row.size() != columns_.size())

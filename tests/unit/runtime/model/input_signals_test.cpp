@@ -128,7 +128,7 @@ TEST(InputSignals, FunctionsHaveRatesByDifferences) {
   signals.setFunction(0, {[](double time, double) { return std::sin(20 * time); }, {}, {}});
   for (const double time : {0.0, 0.3, 100.7}) {
     EXPECT_EQ(at(signals, time, time + 0.1).value, std::sin(20 * time));
-    EXPECT_NEAR(at(signals, time, time + 0.1).rate, 20 * std::cos(20 * time), 2e-6);
+    EXPECT_NEAR(at(signals, time, time + 0.1).rate, 20 * std::cos(20 * time), 3e-9);
   }
   EXPECT_FALSE(signals.isConstant(0));
   signals.setFunction(0, {[](double, double) { return 1.0; }, [](double, double) { return 42.0; }, {}});
