@@ -1,0 +1,257 @@
+// The C interface on models in memory: results, phases, arguments and errors.
+#include "runtime/tf.h"
+
+#include "tests/unit/runtime/hand_written_models.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+
+namespace {
+
+const double infinity = std::numeric_limits<double>::infinity();
+
+struct Free {
+  void operator()(tf_simulation *simulation) const { tf_free(simulation); }
+};
+using Owned = std::unique_ptr<tf_simulation, Free>;
+
+Owned create(const tf_model &model) {
+  tf_simulation *simulation = nullptr;
+  EXPECT_EQ(tf_create(&model, &simulation), TF_OK) << tf_error_text(simulation);
+  return Owned(simulation);
+}
+
+double named(const Owned &simulation, const char *name) {
+  double value = 0;
+  EXPECT_EQ(tf_get_named(simulation.get(), name, &value), TF_OK) << tf_error_text(simulation.get());
+  return value;
+}
+
+std::string text(const Owned &simulation) { return tf_error_text(simulation.get()); }
+
+TEST(LibTf, SimulatesAFallWithImpact) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_set_tolerance(particle.get(), 1e-9), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  ASSERT_EQ(tf_step(particle.get(), 0.4), TF_OK) << text(particle);
+  EXPECT_NEAR(named(particle, "q[2]"), 1 - 0.5 * 9.81 * 0.16, 1e-8);
+  EXPECT_NEAR(named(particle, "depth"), -(1 - 0.5 * 9.81 * 0.16), 1e-8);
+  ASSERT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+  EXPECT_EQ(tf_time(particle.get()), 1);
+  EXPECT_NEAR(named(particle, "floor.normalForce"), 9.81, 1e-8);
+  EXPECT_NEAR(named(particle, "tau"), 2, 1e-8);  // beta = 1/2 and a frozen phase of sqrt(2/g)
+  EXPECT_EQ(tf_get_statistics(particle.get())->events[TF_EVENT_IMPACT], 1);
+}
+
+TEST(LibTf, SetsParametersStartsAndInputs) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_set(particle.get(), "m", 2), TF_OK);
+  ASSERT_EQ(tf_set(particle.get(), "depth", -5), TF_OK);
+  ASSERT_EQ(tf_set(particle.get(), "u[1]", 4), TF_OK);
+  EXPECT_EQ(tf_get(particle.get(), tf_find(particle.get(), "weight")), 2 * 9.81);  // before the start
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  EXPECT_EQ(named(particle, "q[2]"), 5);
+  ASSERT_EQ(tf_step(particle.get(), 0.5), TF_OK) << text(particle);
+  EXPECT_NEAR(named(particle, "der(q[1])"), 1, 1e-9);
+  // A jump of the input: from now on the other way.
+  ASSERT_EQ(tf_set(particle.get(), "u[1]", -4), TF_OK) << text(particle);
+  ASSERT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+  EXPECT_NEAR(named(particle, "der(q[1])"), 0, 1e-9);
+}
+
+TEST(LibTf, RestoringTakesInputsBack) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_set(particle.get(), "u[1]", 4), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  ASSERT_EQ(tf_step(particle.get(), 0.25), TF_OK) << text(particle);
+  std::vector<char> state(tf_state_size(particle.get()) + 1);
+  ASSERT_EQ(tf_save_state(particle.get(), state.data() + 1, state.size() - 1), TF_OK) << text(particle);  // of no alignment
+  ASSERT_EQ(tf_step(particle.get(), 2), TF_OK) << text(particle);
+  std::vector<double> first(static_cast<std::size_t>(test::particleModel().variable_count)), second(first.size());
+  ASSERT_EQ(tf_get_all(particle.get(), first.data()), TF_OK);
+  ASSERT_EQ(tf_set(particle.get(), "u[1]", 9), TF_OK);
+  ASSERT_EQ(tf_restore_state(particle.get(), state.data() + 1, state.size() - 1), TF_OK) << text(particle);
+  EXPECT_EQ(tf_time(particle.get()), 0.25);
+  ASSERT_EQ(tf_step(particle.get(), 2), TF_OK) << text(particle);
+  ASSERT_EQ(tf_get_all(particle.get(), second.data()), TF_OK);
+  EXPECT_EQ(first, second);
+}
+
+TEST(LibTf, RefusesStatesOfOtherRuns) {
+  const Owned particle = create(test::particleModel()), heavy = create(test::particleModel()), box = create(test::boxModel());
+  ASSERT_EQ(tf_set(heavy.get(), "m", 5), TF_OK);
+  for (const Owned *simulation : {&particle, &heavy, &box})
+    ASSERT_EQ(tf_initialise(simulation->get(), 0), TF_OK) << text(*simulation);
+  std::vector<char> state(tf_state_size(particle.get()));
+  EXPECT_EQ(tf_save_state(particle.get(), state.data(), state.size() - 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "the state needs " + std::to_string(state.size()) + " bytes");
+  ASSERT_EQ(tf_save_state(particle.get(), state.data(), state.size()), TF_OK);
+  EXPECT_EQ(tf_restore_state(heavy.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(heavy), "the state is of another model or of other parameters");
+  EXPECT_EQ(tf_restore_state(box.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_restore_state(particle.get(), state.data(), state.size() - 1), TF_BAD_ARGUMENT);
+  state[0] = 'x';
+  EXPECT_EQ(tf_restore_state(particle.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "this is not a saved state");
+  EXPECT_EQ(tf_restore_state(particle.get(), nullptr, 0), TF_BAD_ARGUMENT);
+}
+
+TEST(LibTf, ChecksPhases) {
+  const Owned particle = create(test::particleModel());
+  double value = 0;
+  EXPECT_EQ(tf_step(particle.get(), 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "call tf_initialise first");
+  EXPECT_EQ(tf_get_named(particle.get(), "q[1]", &value), TF_BAD_ARGUMENT);
+  EXPECT_TRUE(std::isnan(value));
+  EXPECT_TRUE(std::isnan(tf_time(particle.get())));
+  EXPECT_EQ(tf_state_size(particle.get()), 0u);
+  EXPECT_EQ(tf_get_statistics(particle.get())->steps, 0);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  EXPECT_EQ(tf_set(particle.get(), "m", 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "parameters and starts can only be set before tf_initialise");
+  EXPECT_EQ(tf_set_tolerance(particle.get(), 1e-3), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_integrator(particle.get(), TF_STEP), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_step_options(particle.get(), 2, 0), TF_BAD_ARGUMENT);
+  ASSERT_EQ(tf_step(particle.get(), 0.1), TF_OK);
+  EXPECT_EQ(tf_step(particle.get(), 0.05), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "cannot step to time 0.05: the simulation is at 0.1");
+  EXPECT_EQ(tf_step(particle.get(), infinity), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_step(particle.get(), 0.1), TF_OK);  // where it is
+}
+
+TEST(LibTf, StartsAgain) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  ASSERT_EQ(tf_step(particle.get(), 1), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  EXPECT_EQ(named(particle, "q[2]"), 1);
+  EXPECT_EQ(tf_time(particle.get()), 0);
+}
+
+TEST(LibTf, ChecksArguments) {
+  tf_simulation *none = nullptr;
+  EXPECT_EQ(tf_load(nullptr, &none), TF_BAD_ARGUMENT);
+  EXPECT_STREQ(tf_error_text(none), "the path of the model is missing");
+  EXPECT_EQ(tf_get_model(none), nullptr);
+  EXPECT_EQ(tf_initialise(none, 0), TF_BAD_ARGUMENT);
+  EXPECT_STREQ(tf_error_text(none), "no model was loaded");
+  EXPECT_EQ(tf_find(none, "x"), -1);
+  tf_free(none);
+  EXPECT_EQ(tf_load("model.so", nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_create(nullptr, &none), TF_BAD_ARGUMENT);
+  tf_free(none);
+  EXPECT_EQ(tf_load("no such file.so", &none), TF_BAD_ARGUMENT);
+  EXPECT_STREQ(tf_error_text(none), "cannot load 'no such file.so': No such file or directory");
+  tf_free(none);
+  tf_free(nullptr);
+  EXPECT_EQ(tf_step(nullptr, 1), TF_BAD_ARGUMENT);
+  EXPECT_TRUE(std::isnan(tf_time(nullptr)));
+  EXPECT_STRNE(tf_error_text(nullptr), "");
+  const Owned particle = create(test::particleModel());
+  EXPECT_EQ(tf_set(particle.get(), nullptr, 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_find(particle.get(), nullptr), -1);
+  EXPECT_EQ(tf_initialise(particle.get(), infinity), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_tolerance(particle.get(), 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_tolerance(particle.get(), std::nan("")), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_step_options(particle.get(), 5, 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_step_options(particle.get(), 1, -1), TF_BAD_ARGUMENT);
+  EXPECT_TRUE(std::isnan(tf_get(particle.get(), -1)));
+  EXPECT_TRUE(std::isnan(tf_get(particle.get(), 1000)));
+  EXPECT_EQ(tf_set(particle.get(), "muu", 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "model 'Particle' has no variable 'muu'; did you mean 'mu'?");
+}
+
+TEST(LibTf, ChecksInputs) {
+  const Owned particle = create(test::particleModel());
+  const double times[] = {0, 1, 0.5}, values[] = {0, 1, 2};
+  EXPECT_EQ(tf_set_input_table(particle.get(), "u[1]", times, values, 3, 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "the table of 'u[1]': the times of an input table must not decrease: point 3 is at 0.5, after 1");
+  EXPECT_EQ(tf_set_input_table(particle.get(), "u[1]", times, values, 0, 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_input_table(particle.get(), "u[3]", times, values, 2, 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "model 'Particle' has no input 'u[3]'; did you mean 'u[1]'?");
+  EXPECT_EQ(tf_set_input_table(particle.get(), "q[1]", times, values, 2, 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "'q[1]' is not an input");
+  EXPECT_EQ(tf_set_input_callback(particle.get(), "u[1]", nullptr, nullptr, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "the callback for 'u[1]' is missing");
+}
+
+TEST(LibTf, LinearTablesMoveTheParticle) {
+  const Owned particle = create(test::particleModel());
+  const double times[] = {0, 1}, values[] = {0, 6};
+  ASSERT_EQ(tf_set_tolerance(particle.get(), 1e-9), TF_OK);
+  ASSERT_EQ(tf_set_input_table(particle.get(), "u[1]", times, values, 2, 1), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  ASSERT_EQ(tf_step(particle.get(), 2), TF_OK) << text(particle);
+  EXPECT_NEAR(named(particle, "der(q[1])"), 9, 1e-8);
+}
+
+TEST(LibTf, ReportsWhyInitialisationFails) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_set(particle.get(), "m", 0), TF_OK);
+  EXPECT_EQ(tf_initialise(particle.get(), 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "'rate', which is computed from other parameters, has no value (NaN)");
+  ASSERT_EQ(tf_set(particle.get(), "m", 1), TF_OK);
+  ASSERT_EQ(tf_set(particle.get(), "q[2]", -1), TF_OK);
+  EXPECT_EQ(tf_initialise(particle.get(), 0), TF_FAILED);
+  EXPECT_NE(text(particle).find("'floor'"), std::string::npos) << text(particle);
+  EXPECT_EQ(tf_step(particle.get(), 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "the simulation was not initialised: tf_initialise failed");
+  ASSERT_EQ(tf_set(particle.get(), "q[2]", 1), TF_OK);
+  EXPECT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+}
+
+struct Observed {
+  tf_simulation *simulation;
+  std::vector<int> kinds;
+  double heightAtImpact = -1;
+  tf_status nested = TF_OK;
+};
+
+TEST(LibTf, EventCallbacksReadValuesButCannotStep) {
+  const Owned particle = create(test::particleModel());
+  Observed observed{particle.get(), {}, -1, TF_OK};
+  const auto observe = [](void *data, const tf_event *event) {
+    auto &seen = *static_cast<Observed *>(data);
+    seen.kinds.push_back(event->kind);
+    seen.heightAtImpact = tf_get(seen.simulation, tf_find(seen.simulation, "q[2]"));
+    seen.nested = tf_step(seen.simulation, 5);
+  };
+  ASSERT_EQ(tf_set_event_callback(particle.get(), observe, &observed), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  ASSERT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+  ASSERT_FALSE(observed.kinds.empty());
+  EXPECT_EQ(observed.kinds[0], TF_EVENT_IMPACT);
+  EXPECT_NEAR(observed.heightAtImpact, 0, 1e-8);
+  EXPECT_EQ(observed.nested, TF_BAD_ARGUMENT);
+}
+
+TEST(LibTf, ExceptionsOfCallbacksBecomeErrors) {
+  const Owned particle = create(test::particleModel());
+  const auto value = [](void *, double, double) -> double { throw std::runtime_error("no value today"); };
+  ASSERT_EQ(tf_set_input_callback(particle.get(), "u[1]", value, nullptr, nullptr), TF_OK);
+  EXPECT_EQ(tf_initialise(particle.get(), 0), TF_FAILED);
+  EXPECT_EQ(text(particle), "no value today");
+}
+
+TEST(LibTf, DifferentSimulationsOfAModelAreIndependent) {
+  const Owned one = create(test::particleModel()), two = create(test::particleModel());
+  ASSERT_EQ(tf_set(one.get(), "g", 1), TF_OK);
+  for (const Owned *simulation : {&one, &two}) {
+    ASSERT_EQ(tf_initialise(simulation->get(), 0), TF_OK);
+    ASSERT_EQ(tf_step(simulation->get(), 0.4), TF_OK);
+  }
+  EXPECT_NEAR(named(one, "q[2]"), 1 - 0.5 * 0.16, 1e-8);
+  EXPECT_NEAR(named(two, "q[2]"), 1 - 0.5 * 9.81 * 0.16, 1e-8);
+}
+
+}  // namespace
+
+}  // namespace tf::runtime
