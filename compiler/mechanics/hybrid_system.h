@@ -1,8 +1,8 @@
 // HybridSystem: the controlled complementarity Lagrangian system (theory.md section 1) in terms of the expression graph.
 //
-// Contract. Expressions refer to the symbols Time, Coordinate i, Velocity i, State i, Input i, Parameter i and StepVariable j; outputs also to
-// Acceleration, NormalForce, TangentForce and StateDerivative. Conditions of switches do not depend on their own step variable. Everything that
-// is a function of coordinates, time and parameters is twice differentiable. `verify` checks it.
+// Contract. Expressions refer to the symbols Time, Coordinate i, Velocity i, State i, Input i, Parameter i and StepVariable j; outputs and
+// the residual also to Acceleration, NormalForce, TangentForce and StateDerivative. Conditions of switches do not depend on their own step
+// variable. Everything that is a function of coordinates, time and parameters is twice differentiable. `verify` checks it.
 #pragma once
 
 #include "compiler/ir/function.h"
@@ -20,9 +20,9 @@ namespace tf {
 // A scalar quantity with a name in the model; fields as in tf_variable (runtime/abi/tf_model.h).
 struct Quantity {
   std::string name, unit, description;
-  int kind = 0;    // enum tf_kind
+  int kind = 0;  // enum tf_kind
   int index = 0;
-  int flags = 0;   // enum tf_variable_flags
+  int flags = 0;  // enum tf_variable_flags
   double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity(), nominal = 1;
   Span span;
 };
@@ -45,7 +45,7 @@ struct Contact {
   std::vector<ir::NodeId> normal;                // [nv]
   int tangentFirst = 0, tangentCount = 0;        // rows in HybridSystem::tangents
   ir::NodeId friction = -1, restitution = -1, rate = -1;
-  int law = 0;                                   // enum tf_impact_law
+  int law = 0;  // enum tf_impact_law
   double nominal = 1;
 };
 
@@ -57,10 +57,10 @@ struct FrictionElement {
 };
 
 struct SwitchingFunction {
-  std::string text;     // the condition as written
+  std::string text;  // the condition as written
   Span span;
   ir::NodeId condition = -1;
-  int kind = 0;         // enum tf_switch_kind
+  int kind = 0;  // enum tf_switch_kind
   bool zeroIsPositive = false;
 };
 
@@ -76,14 +76,15 @@ struct HybridSystem {
   std::vector<ir::NodeId> parameterBindings;  // [np], −1 where free
   std::vector<ir::NodeId> coordinateStarts, velocityStarts, stateStarts, inputStarts;
 
-  std::vector<ir::NodeId> mass;   // [nv × nv]
-  std::vector<ir::NodeId> force;  // [nv]
+  std::vector<ir::NodeId> mass;      // [nv × nv]
+  std::vector<ir::NodeId> force;     // [nv]
+  std::vector<ir::NodeId> residual;  // [nv] M v' − f − Jnᵀ λn − Jtᵀ λt in terms of the symbols Acceleration, NormalForce, TangentForce
   std::vector<ir::NodeId> stateDerivatives;  // [nz]
   std::vector<Contact> contacts;
   std::vector<FrictionElement> frictions;
   std::vector<TangentRow> tangents;
   std::vector<SwitchingFunction> switches;
-  std::vector<ir::NodeId> outputs;           // of quantities of kind TF_KIND_OUTPUT
+  std::vector<ir::NodeId> outputs;  // of quantities of kind TF_KIND_OUTPUT
   ir::NodeId kineticEnergy = -1, potentialEnergy = -1, power = -1;
   flat::Experiment experiment;
 
@@ -97,8 +98,8 @@ struct HybridSystem {
 [[nodiscard]] std::string print(const HybridSystem &system);
 [[nodiscard]] std::string verify(const HybridSystem &system);
 
-// The functions of runtime/abi/tf_model.h, in the order of the table's function pointers. A function that the table allows to be null and that
-// is not needed has an empty name. Derivatives are formed in `system.graph`.
+// The functions of runtime/abi/tf_model.h, in the order of the table's function pointers. A function that the table allows to be null and
+// that is not needed has an empty name. Derivatives are formed in `system.graph`.
 [[nodiscard]] std::vector<ir::Function> modelFunctions(HybridSystem &system);
 
-} // namespace tf
+}  // namespace tf

@@ -1,0 +1,89 @@
+// Contacts and friction elements: rates, Jacobians with respect to the velocities and bias terms, with every ∂/∂t (moving ground, belts).
+#include "compiler/mechanics/derivation.h"
+
+#include "runtime/abi/tf_model.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::mechanics {
+
+using ir::NodeId;
+using ir::SymbolKind;
+
+namespace {
+
+// The length scale of a gap: the largest nominal value of the coordinates that move it.
+double nominalOf(const Derivation &derivation, NodeId gap) {
+  double nominal = 0;
+  for (const ir::Symbol symbol : ir::dependencies(derivation.system.graph, std::array{gap})[0])
+    if (symbol.kind == SymbolKind::Coordinate)
+      for (const Quantity &quantity : derivation.system.quantities)
+        if (quantity.kind == TF_KIND_COORDINATE && quantity.index == symbol.index)
+          nominal = std::max(nominal, std::abs(quantity.nominal));
+  return nominal > 0 ? nominal : 1;
+}
+
+std::vector<NodeId> row(const std::vector<NodeId> &matrix, std::size_t index, std::size_t columns) {
+  const auto first = matrix.begin() + static_cast<std::ptrdiff_t>(index * columns);
+  return {first, first + static_cast<std::ptrdiff_t>(columns)};
+}
+
+void deriveTangents(Derivation &derivation) {
+  HybridSystem &system = derivation.system;
+  ir::Graph &graph = system.graph;
+  std::vector<NodeId> slips(static_cast<std::size_t>(derivation.elements.tangents), graph.constant(0));
+  const auto collect = [&](const std::vector<NodeId> &slip, int first) { std::ranges::copy(slip, slips.begin() + first); };
+  for (const ContactEntry &contact : derivation.elements.contacts)
+    collect(contact.slip, contact.tangentFirst);
+  for (const FrictionEntry &friction : derivation.elements.frictions)
+    collect(friction.slip, friction.tangentFirst);
+  const auto columns = static_cast<std::size_t>(system.nv);
+  const std::vector<NodeId> jacobian = ir::jacobian(graph, slips, symbols(graph, SymbolKind::Velocity, system.nv));
+  const std::vector<NodeId> bias = timeDerivative(graph, slips, AlongMotion::WithoutAcceleration);
+  for (std::size_t k = 0; k < slips.size(); ++k)
+    system.tangents.push_back({slips[k], bias[k], row(jacobian, k, columns)});
+}
+
+int lawOf(const Derivation &derivation, const ContactEntry &entry) {
+  const ir::Node &law = derivation.system.graph[entry.law];
+  return law.op == ir::Op::Constant ? static_cast<int>(law.value) - 1 : 0;
+}
+
+}  // namespace
+
+void deriveContacts(Derivation &derivation) {
+  HybridSystem &system = derivation.system;
+  ir::Graph &graph = system.graph;
+  deriveTangents(derivation);
+  std::vector<NodeId> gaps;
+  for (const ContactEntry &entry : derivation.elements.contacts)
+    gaps.push_back(entry.gap);
+  const auto columns = static_cast<std::size_t>(system.nv);
+  const std::vector<NodeId> normals = ir::jacobian(graph, gaps, symbols(graph, SymbolKind::Coordinate, system.nq));
+  const std::vector<NodeId> rates = timeDerivative(graph, gaps, AlongMotion::WithoutAcceleration);
+  const std::vector<NodeId> biases = timeDerivative(graph, rates, AlongMotion::WithoutAcceleration);
+  for (std::size_t k = 0; k < gaps.size(); ++k) {
+    const ContactEntry &entry = derivation.elements.contacts[k];
+    Contact contact;
+    contact.name = entry.name;
+    contact.span = derivation.model.elements[static_cast<std::size_t>(entry.element)].span;
+    contact.gap = gaps[k];
+    contact.gapRate = rates[k];
+    contact.bias = biases[k];
+    contact.normal = row(normals, k, columns);
+    contact.tangentFirst = entry.tangentFirst;
+    contact.tangentCount = static_cast<int>(entry.slip.size());
+    contact.friction = entry.friction;
+    contact.restitution = entry.restitution;
+    contact.rate = entry.rate;
+    contact.law = lawOf(derivation, entry);
+    contact.nominal = nominalOf(derivation, gaps[k]);
+    system.contacts.push_back(std::move(contact));
+  }
+  for (const FrictionEntry &entry : derivation.elements.frictions)
+    system.frictions.push_back({entry.name, derivation.model.elements[static_cast<std::size_t>(entry.element)].span, entry.tangentFirst,
+                                static_cast<int>(entry.slip.size()), entry.bound});
+}
+
+}  // namespace tf::mechanics

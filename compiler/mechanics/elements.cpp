@@ -1,0 +1,246 @@
+#include "compiler/mechanics/elements.h"
+
+#include "compiler/equations/diagnostics.h"
+#include "compiler/mechanics/diagnostics.h"
+
+#include <algorithm>
+#include <cassert>
+
+namespace tf::mechanics {
+
+using equations::Array;
+using flat::ElementKind;
+using ir::NodeId;
+using ir::SymbolKind;
+
+namespace {
+
+int sizePerEntry(const flat::Element &element, const std::string &attribute) {
+  const flat::Attribute *given = element.find(attribute);
+  const int entries = entryCount(element);
+  return given == nullptr || entries == 0 ? 0 : given->value->type.size() / entries;
+}
+
+double defaultValue(const std::string &attribute) { return attribute == "rate" || attribute == "law" ? 1 : 0; }
+
+bool hasDefault(ElementKind kind, const std::string &attribute) {
+  return kind == ElementKind::Contact &&
+         (attribute == "friction" || attribute == "restitution" || attribute == "law" || attribute == "rate");
+}
+
+}  // namespace
+
+void Elements::forEachNode(const std::function<void(NodeId &)> &visit) {
+  const auto one = [&](NodeId &node) {
+    if (node >= 0)
+      visit(node);
+  };
+  const auto all = [&](std::vector<NodeId> &nodes) { std::ranges::for_each(nodes, visit); };
+  for (BodyEntry &body : bodies) {
+    one(body.mass), one(body.angle), one(body.inertia);
+    all(body.position);
+  }
+  for (GravityEntry &gravity : gravities)
+    all(gravity.acceleration);
+  for (ForceEntry &force : forces)
+    all(force.value), all(force.at);
+  for (PotentialEntry &potential : potentials)
+    one(potential.energy);
+  for (ContactEntry &contact : contacts) {
+    one(contact.gap), one(contact.friction), one(contact.restitution), one(contact.law), one(contact.rate);
+    all(contact.slip);
+  }
+  for (FrictionEntry &friction : frictions) {
+    one(friction.bound);
+    all(friction.slip);
+  }
+}
+
+bool isWithin(const std::string &bodyScope, const std::string &scope) {
+  if (scope.empty() || bodyScope == scope)
+    return true;
+  return bodyScope.starts_with(scope) && (bodyScope[scope.size()] == '.' || bodyScope[scope.size()] == '[');
+}
+
+ElementTable::ElementTable(const flat::FlatModel &model, ir::Graph &graph, equations::Scalariser &scalariser, equations::SymbolNames &names,
+                           Diagnostics &diagnostics)
+    : model_(model), graph_(graph), scalariser_(scalariser), diagnostics_(diagnostics), contactFirst_(model.elements.size(), 0),
+      rows_(model.elements.size()) {
+  number(names);
+}
+
+void ElementTable::number(equations::SymbolNames &names) {
+  for (const ElementKind kind : {ElementKind::Contact, ElementKind::Friction})
+    for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+      const flat::Element &owner = model_.elements[k];
+      if (owner.kind != kind)
+        continue;
+      rows_[k] = {tangents_, sizePerEntry(owner, "slip")};
+      if (kind == ElementKind::Contact)
+        contactFirst_[k] = static_cast<int>(names.normalForces.size());
+      for (int position = 0; position < entryCount(owner); ++position) {
+        const std::string name = equations::elementName(owner.name, owner.dims, position);
+        if (kind == ElementKind::Contact)
+          names.normalForces.push_back(name + ".normalForce");
+        for (int row = 0; row < rows_[k].perEntry; ++row, ++tangents_)
+          names.tangentForces.push_back(name + (kind == ElementKind::Contact ? ".frictionForce" : ".force"));
+      }
+    }
+}
+
+const Array *ElementTable::attribute(flat::ElementId id, const std::string &name, Span reference) {
+  const std::pair key{id, name};
+  if (const auto known = attributes_.find(key); known != attributes_.end())
+    return &known->second;
+  const flat::Element &owner = element(id);
+  const flat::Attribute *given = owner.find(name);
+  if (given == nullptr) {
+    if (!hasDefault(owner.kind, name))
+      return nullptr;
+    const NodeId value = graph_.constant(defaultValue(name));
+    return &(attributes_[key] = {owner.dims, std::vector<NodeId>(static_cast<std::size_t>(entryCount(owner)), value)});
+  }
+  const std::vector<int> &dims = given->value->type.dims;
+  if (!inProgress_.emplace(key, reference).second) {
+    diagnostics_.report(equations::diag::AttributeCycle, reference, owner.name + "." + name);
+    return &(attributes_[key] = {dims, std::vector<NodeId>(static_cast<std::size_t>(given->value->type.size()), graph_.constant(0))});
+  }
+  Array value{dims, scalariser_(*given->value)};
+  inProgress_.erase(key);
+  return &(attributes_[key] = std::move(value));
+}
+
+std::vector<NodeId> ElementTable::slice(flat::ElementId id, const std::string &name, int position) {
+  const Array *whole = attribute(id, name);
+  if (whole == nullptr)
+    return {};
+  const std::size_t size = whole->nodes.size() / static_cast<std::size_t>(entryCount(element(id)));
+  const auto first = whole->nodes.begin() + static_cast<std::ptrdiff_t>(size) * position;
+  return {first, first + static_cast<std::ptrdiff_t>(size)};
+}
+
+NodeId ElementTable::scalar(flat::ElementId id, const std::string &name, int position) {
+  const std::vector<NodeId> nodes = slice(id, name, position);
+  return nodes.empty() ? -1 : nodes[0];
+}
+
+Elements ElementTable::entries() {
+  Elements elements;
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+    reportUnsupported(model_.elements[k]);
+    for (int position = 0; position < entryCount(model_.elements[k]); ++position)
+      addEntry(elements, static_cast<flat::ElementId>(k), position);
+  }
+  elements.tangents = tangents_;
+  return elements;
+}
+
+void ElementTable::reportUnsupported(const flat::Element &owner) {
+  if (owner.kind == ElementKind::Constraint)
+    diagnostics_.report(diag::UnsupportedElement, owner.span, "'constraint'");
+  if (owner.kind != ElementKind::Body)
+    return;
+  if (const flat::Attribute *orientation = owner.find("orientation"))
+    diagnostics_.report(diag::UnsupportedElement, orientation->value->span, "'orientation' of a body");
+  else if (const flat::Attribute *inertia = owner.find("inertia"); inertia != nullptr && sizePerEntry(owner, "inertia") > 1)
+    diagnostics_.report(diag::UnsupportedElement, inertia->value->span, "the inertia tensor of a spatial body");
+}
+
+void ElementTable::addEntry(Elements &elements, flat::ElementId id, int position) {
+  const flat::Element &owner = element(id);
+  const ElementEntry entry{id, position, equations::elementName(owner.name, owner.dims, position)};
+  const auto one = [&](const char *name) { return scalar(id, name, position); };
+  const auto all = [&](const char *name) { return slice(id, name, position); };
+  const Rows &rows = rows_[static_cast<std::size_t>(id)];
+  switch (owner.kind) {
+  case ElementKind::Body:
+    elements.bodies.push_back({entry, one("mass"), one("angle"), one("inertia"), all("position")});
+    break;
+  case ElementKind::Gravity:
+    elements.gravities.push_back({entry, all("acceleration")});
+    break;
+  case ElementKind::Force:
+    elements.forces.push_back({entry, all("value"), all("at")});
+    break;
+  case ElementKind::Potential:
+    elements.potentials.push_back({entry, one("energy")});
+    break;
+  case ElementKind::Contact:
+    elements.contacts.push_back({entry, one("gap"), one("friction"), one("restitution"), one("law"), one("rate"), all("slip"),
+                                 rows.first + position * rows.perEntry});
+    break;
+  case ElementKind::Friction:
+    elements.frictions.push_back({entry, one("bound"), all("slip"), rows.first + position * rows.perEntry});
+    break;
+  case ElementKind::Constraint:
+    break;
+  }
+}
+
+Array ElementTable::value(const flat::Expr &reference) {
+  if (const Array *given = attribute(reference.element, reference.attribute, reference.span))
+    return *given;
+  return result(reference);
+}
+
+Array ElementTable::result(const flat::Expr &reference) {
+  const flat::ElementId id = reference.element;
+  const flat::Element &owner = element(id);
+  const std::string &name = reference.attribute;
+  const Rows rows = rows_[static_cast<std::size_t>(id)];
+  if (name == "velocity")
+    if (const Array *position = attribute(id, "position", reference.span)) {
+      const Array place = *position;
+      return {place.dims, scalariser_.timeDerivative(place.nodes, reference.span)};
+    }
+  if (name == "normalForce")
+    return forces(reference, SymbolKind::NormalForce, {contactFirst_[static_cast<std::size_t>(id)], 1});
+  if (name == "frictionForce" || name == "force")
+    return forces(reference, SymbolKind::TangentForce, rows);
+  Array result{owner.dims, {}};
+  if (name != "kineticEnergy" && name != "power") {
+    diagnostics_.report(equations::diag::UnsupportedResult, reference.span, owner.name + "." + name);
+    result.nodes.assign(static_cast<std::size_t>(entryCount(owner)), graph_.constant(0));
+    return result;
+  }
+  for (int position = 0; position < entryCount(owner); ++position)
+    result.nodes.push_back(name == "power" ? power(id, position, reference.span) : kineticEnergy(id, position, reference.span));
+  return result;
+}
+
+Array ElementTable::forces(const flat::Expr &reference, SymbolKind kind, Rows rows) {
+  const flat::Element &owner = element(reference.element);
+  const flat::Attribute *slip = owner.find("slip");
+  Array result{kind == SymbolKind::TangentForce && slip != nullptr ? slip->value->type.dims : owner.dims, {}};
+  // A contact without slip has no friction force.
+  if (rows.perEntry == 0)
+    result.nodes.assign(static_cast<std::size_t>(entryCount(owner)), graph_.constant(0));
+  for (int k = 0; k < entryCount(owner) * rows.perEntry; ++k)
+    result.nodes.push_back(graph_.symbol(kind, rows.first + k));
+  return result;
+}
+
+NodeId ElementTable::kineticEnergy(flat::ElementId id, int position, Span span) {
+  std::vector<NodeId> terms;
+  const auto addTerm = [&](NodeId inertia, const std::vector<NodeId> &places) {
+    std::vector<NodeId> squares;
+    for (const NodeId rate : scalariser_.timeDerivative(places, span))
+      squares.push_back(graph_.mul(rate, rate));
+    if (!squares.empty() && inertia >= 0)
+      terms.push_back(graph_.mul(graph_.mul(graph_.constant(0.5), inertia), graph_.sum(squares)));
+  };
+  addTerm(scalar(id, "mass", position), slice(id, "position", position));
+  addTerm(scalar(id, "inertia", position), slice(id, "angle", position));
+  return graph_.sum(terms);
+}
+
+NodeId ElementTable::power(flat::ElementId id, int position, Span span) {
+  const std::vector<NodeId> value = slice(id, "value", position);
+  const std::vector<NodeId> rate = scalariser_.timeDerivative(slice(id, "at", position), span);
+  std::vector<NodeId> terms;
+  for (std::size_t k = 0; k < value.size(); ++k)
+    terms.push_back(graph_.mul(value[k], rate[k]));
+  return graph_.sum(terms);
+}
+
+}  // namespace tf::mechanics

@@ -1,0 +1,108 @@
+// Mechanical elements, one entry per element of an element array, as nodes of the expression graph.
+#pragma once
+
+#include "compiler/equations/equation_system.h"
+#include "compiler/equations/scalariser.h"
+
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tf::mechanics {
+
+struct ElementEntry {
+  flat::ElementId element = -1;
+  int position = 0;  // row-major in the element array
+  std::string name;  // "wall[1]"
+};
+
+struct BodyEntry : ElementEntry {
+  ir::NodeId mass = -1, angle = -1, inertia = -1;  // −1: not given
+  std::vector<ir::NodeId> position;
+};
+
+struct GravityEntry : ElementEntry {
+  std::vector<ir::NodeId> acceleration;
+};
+
+struct ForceEntry : ElementEntry {
+  std::vector<ir::NodeId> value, at;
+};
+
+struct PotentialEntry : ElementEntry {
+  ir::NodeId energy = -1;
+};
+
+struct ContactEntry : ElementEntry {
+  ir::NodeId gap = -1, friction = -1, restitution = -1, law = -1, rate = -1;
+  std::vector<ir::NodeId> slip;
+  int tangentFirst = 0;
+};
+
+struct FrictionEntry : ElementEntry {
+  ir::NodeId bound = -1;
+  std::vector<ir::NodeId> slip;
+  int tangentFirst = 0;
+};
+
+struct Elements {
+  std::vector<BodyEntry> bodies;
+  std::vector<GravityEntry> gravities;
+  std::vector<ForceEntry> forces;
+  std::vector<PotentialEntry> potentials;
+  std::vector<ContactEntry> contacts;
+  std::vector<FrictionEntry> frictions;
+  int tangents = 0;  // tangential rows: of contacts, then of friction elements
+
+  // Calls `visit` with every node that stands in an attribute.
+  void forEachNode(const std::function<void(ir::NodeId &)> &visit);
+};
+
+// True if gravity declared in the instance `scope` acts on a body declared in `bodyScope` ("" is the model itself).
+[[nodiscard]] bool isWithin(const std::string &bodyScope, const std::string &scope);
+
+// Attributes and results of elements, also while equations are not solved yet.
+class ElementTable {
+public:
+  ElementTable(const flat::FlatModel &model, ir::Graph &graph, equations::Scalariser &scalariser, equations::SymbolNames &names,
+               Diagnostics &diagnostics);
+
+  // The whole of `element.attribute` before the reference's indices: an attribute or a result.
+  [[nodiscard]] equations::Array value(const flat::Expr &reference);
+  // A given attribute or its default; null if neither.
+  [[nodiscard]] const equations::Array *attribute(flat::ElementId element, const std::string &name, Span reference = {});
+  // All entries, with attributes as they are before the equations are solved. Reports what is not supported yet.
+  [[nodiscard]] Elements entries();
+
+private:
+  // Tangential rows of an element: those of its entries follow one another.
+  struct Rows {
+    int first = 0, perEntry = 0;
+  };
+
+  void number(equations::SymbolNames &names);
+  void reportUnsupported(const flat::Element &element);
+  [[nodiscard]] const flat::Element &element(flat::ElementId id) const { return model_.elements[static_cast<std::size_t>(id)]; }
+  [[nodiscard]] std::vector<ir::NodeId> slice(flat::ElementId id, const std::string &name, int position);
+  [[nodiscard]] ir::NodeId scalar(flat::ElementId id, const std::string &name, int position);
+  void addEntry(Elements &elements, flat::ElementId id, int position);
+  [[nodiscard]] equations::Array result(const flat::Expr &reference);
+  [[nodiscard]] equations::Array forces(const flat::Expr &reference, ir::SymbolKind kind, Rows rows);
+  [[nodiscard]] ir::NodeId kineticEnergy(flat::ElementId id, int position, Span span);
+  [[nodiscard]] ir::NodeId power(flat::ElementId id, int position, Span span);
+
+  const flat::FlatModel &model_;
+  ir::Graph &graph_;
+  equations::Scalariser &scalariser_;
+  Diagnostics &diagnostics_;
+  std::map<std::pair<flat::ElementId, std::string>, equations::Array> attributes_;
+  std::map<std::pair<flat::ElementId, std::string>, Span> inProgress_;
+  std::vector<int> contactFirst_;  // of elements
+  std::vector<Rows> rows_;         // of elements
+  int tangents_ = 0;
+};
+
+[[nodiscard]] inline int entryCount(const flat::Element &element) { return flat::Type{flat::Base::Real, element.dims}.size(); }
+
+}  // namespace tf::mechanics

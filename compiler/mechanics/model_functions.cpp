@@ -1,0 +1,261 @@
+// The functions of a compiled model, with the argument and result layout of runtime/abi/tf_model.h.
+#include "compiler/mechanics/derivation.h"
+
+#include <algorithm>
+
+namespace tf {
+
+using ir::NodeId;
+using ir::SymbolKind;
+
+namespace {
+
+// Collects the stores of one function. Structural zeros are stored too: callers see complete arrays.
+class FunctionBuilder {
+public:
+  explicit FunctionBuilder(std::string name, int groups = 0) {
+    function_.name = std::move(name);
+    function_.groups = groups;
+  }
+
+  // A new buffer of `nodes`, all in `group` (−1: always stored).
+  int buffer(std::span<const NodeId> nodes, int group = -1) {
+    const int index = emptyBuffer(static_cast<int>(nodes.size()));
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      store(index, static_cast<int>(k), nodes[k], group);
+    return index;
+  }
+
+  int emptyBuffer(int size) {
+    function_.bufferSizes.push_back(size);
+    return static_cast<int>(function_.bufferSizes.size()) - 1;
+  }
+
+  void store(int buffer, int position, NodeId node, int group) { function_.stores.push_back({buffer, position, node, group}); }
+
+  void storeRow(int buffer, int row, std::span<const NodeId> nodes, int group) {
+    for (std::size_t k = 0; k < nodes.size(); ++k)
+      store(buffer, row * static_cast<int>(nodes.size()) + static_cast<int>(k), nodes[k], group);
+  }
+
+  ir::Function take() { return std::move(function_); }
+
+private:
+  ir::Function function_;
+};
+
+class ModelFunctions {
+public:
+  explicit ModelFunctions(HybridSystem &system)
+      : system_(system), graph_(system.graph), contacts_(static_cast<int>(system.contacts.size())),
+        frictions_(static_cast<int>(system.frictions.size())), tangents_(static_cast<int>(system.tangents.size())) {
+    for (const auto &[kind, count] : {std::pair{SymbolKind::Coordinate, system.nq}, std::pair{SymbolKind::Velocity, system.nv},
+                                      std::pair{SymbolKind::State, system.nz}, std::pair{SymbolKind::Input, system.nu}})
+      std::ranges::copy(mechanics::symbols(graph_, kind, count), std::back_inserter(x_));
+    x_.push_back(graph_.symbol(SymbolKind::Time));
+    rowGroup_.assign(static_cast<std::size_t>(tangents_), -1);
+    for (int k = 0; k < contacts_; ++k)
+      assign(system.contacts[static_cast<std::size_t>(k)].tangentFirst, system.contacts[static_cast<std::size_t>(k)].tangentCount, k);
+    for (int k = 0; k < frictions_; ++k)
+      assign(system.frictions[static_cast<std::size_t>(k)].tangentFirst, system.frictions[static_cast<std::size_t>(k)].tangentCount,
+             contacts_ + k);
+  }
+
+  ir::Function bindings();
+  ir::Function starts();
+  ir::Function dynamics();
+  ir::Function switching();
+  ir::Function contactTerms();
+  ir::Function contactParameters();
+  ir::Function switchGradients();
+  ir::Function stepDerivatives();
+  ir::Function dynamicsDerivatives();
+  ir::Function outputs();
+  ir::Function energies();
+
+private:
+  void assign(int first, int count, int group) { std::fill_n(rowGroup_.begin() + first, count, group); }
+
+  // Nodes of all tangential rows' bounds: 0 on contacts' rows.
+  std::vector<NodeId> bounds() {
+    std::vector<NodeId> nodes(static_cast<std::size_t>(tangents_), graph_.constant(0));
+    for (const FrictionElement &friction : system_.frictions)
+      std::fill_n(nodes.begin() + friction.tangentFirst, friction.tangentCount, friction.bound);
+    return nodes;
+  }
+
+  // J a + bias.
+  NodeId acceleration(const std::vector<NodeId> &row, NodeId bias) {
+    std::vector<NodeId> terms{bias};
+    for (std::size_t k = 0; k < row.size(); ++k)
+      terms.push_back(graph_.mul(row[k], graph_.symbol(SymbolKind::Acceleration, static_cast<int>(k))));
+    return graph_.sum(terms);
+  }
+
+  // A buffer of d nodes/dx, row i in group(i).
+  template <class Group> void jacobianBuffer(FunctionBuilder &builder, const std::vector<NodeId> &nodes, Group group) {
+    const std::vector<NodeId> matrix = ir::jacobian(graph_, nodes, x_);
+    const int buffer = builder.emptyBuffer(static_cast<int>(matrix.size()));
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+      builder.storeRow(buffer, static_cast<int>(i), std::span(matrix).subspan(i * x_.size(), x_.size()), group(i));
+  }
+
+  HybridSystem &system_;
+  ir::Graph &graph_;
+  int contacts_, frictions_, tangents_;
+  std::vector<NodeId> x_;      // columns of derivative matrices: q, v, z, u, t
+  std::vector<int> rowGroup_;  // of tangential rows: contacts, then friction elements
+};
+
+ir::Function ModelFunctions::bindings() {
+  std::vector<NodeId> nodes = system_.parameterBindings;
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    if (nodes[k] < 0)
+      nodes[k] = graph_.symbol(SymbolKind::Parameter, static_cast<int>(k));
+  FunctionBuilder builder("bindings");
+  builder.buffer(nodes);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::starts() {
+  FunctionBuilder builder("starts");
+  builder.buffer(system_.coordinateStarts);
+  builder.buffer(system_.velocityStarts);
+  builder.buffer(system_.stateStarts);
+  builder.buffer(system_.inputStarts);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::dynamics() {
+  FunctionBuilder builder("dynamics");
+  builder.buffer(system_.mass);
+  builder.buffer(system_.force);
+  builder.buffer(system_.stateDerivatives);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::switching() {
+  std::vector<NodeId> gaps, rates, slips, conditions;
+  for (const Contact &contact : system_.contacts) {
+    gaps.push_back(contact.gap);
+    rates.push_back(contact.gapRate);
+  }
+  for (const TangentRow &row : system_.tangents)
+    slips.push_back(row.slip);
+  for (const SwitchingFunction &switching : system_.switches)
+    conditions.push_back(switching.condition);
+  FunctionBuilder builder("switching", 3);
+  builder.buffer(gaps, 0);
+  builder.buffer(rates, 0);
+  builder.buffer(slips, 1);
+  builder.buffer(conditions, 2);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::contactTerms() {
+  FunctionBuilder builder("contact_terms", contacts_ + frictions_);
+  const int normal = builder.emptyBuffer(contacts_ * system_.nv), normalBias = builder.emptyBuffer(contacts_);
+  const int tangent = builder.emptyBuffer(tangents_ * system_.nv), tangentBias = builder.emptyBuffer(tangents_);
+  const int friction = builder.emptyBuffer(contacts_), bound = builder.emptyBuffer(tangents_);
+  for (int k = 0; k < contacts_; ++k) {
+    const Contact &contact = system_.contacts[static_cast<std::size_t>(k)];
+    builder.storeRow(normal, k, contact.normal, k);
+    builder.store(normalBias, k, contact.bias, k);
+    builder.store(friction, k, contact.friction, k);
+  }
+  const std::vector<NodeId> bounds = this->bounds();
+  for (int k = 0; k < tangents_; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    builder.storeRow(tangent, k, system_.tangents[row].jacobian, rowGroup_[row]);
+    builder.store(tangentBias, k, system_.tangents[row].bias, rowGroup_[row]);
+    builder.store(bound, k, bounds[row], rowGroup_[row]);
+  }
+  return builder.take();
+}
+
+ir::Function ModelFunctions::contactParameters() {
+  std::vector<NodeId> rates, restitutions;
+  for (const Contact &contact : system_.contacts) {
+    rates.push_back(contact.rate);
+    restitutions.push_back(contact.restitution);
+  }
+  FunctionBuilder builder("contact_parameters");
+  builder.buffer(rates);
+  builder.buffer(restitutions);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::switchGradients() {
+  std::vector<NodeId> conditions;
+  for (const SwitchingFunction &switching : system_.switches)
+    conditions.push_back(switching.condition);
+  FunctionBuilder builder("switch_gradients", static_cast<int>(conditions.size()));
+  jacobianBuffer(builder, conditions, [](std::size_t row) { return static_cast<int>(row); });
+  return builder.take();
+}
+
+ir::Function ModelFunctions::stepDerivatives() {
+  const std::vector<NodeId> steps = mechanics::symbols(graph_, SymbolKind::StepVariable, static_cast<int>(system_.switches.size()));
+  FunctionBuilder builder("step_derivatives");
+  builder.buffer(ir::jacobian(graph_, system_.force, steps));
+  builder.buffer(ir::jacobian(graph_, system_.stateDerivatives, steps));
+  return builder.take();
+}
+
+// Output 0 holds the terms of all contacts' forces: those of unselected contacts are passed as 0.
+ir::Function ModelFunctions::dynamicsDerivatives() {
+  std::vector<NodeId> normal, friction, tangent;
+  for (const Contact &contact : system_.contacts) {
+    normal.push_back(acceleration(contact.normal, contact.bias));
+    friction.push_back(contact.friction);
+  }
+  for (const TangentRow &row : system_.tangents)
+    tangent.push_back(acceleration(row.jacobian, row.bias));
+  const auto always = [](std::size_t) { return -1; };
+  const auto ofContact = [](std::size_t row) { return static_cast<int>(row); };
+  const auto ofRow = [&](std::size_t row) { return rowGroup_[row]; };
+  FunctionBuilder builder("dynamics_derivatives", contacts_ + frictions_);
+  jacobianBuffer(builder, system_.residual, always);
+  jacobianBuffer(builder, system_.stateDerivatives, always);
+  jacobianBuffer(builder, normal, ofContact);
+  jacobianBuffer(builder, tangent, ofRow);
+  jacobianBuffer(builder, friction, ofContact);
+  jacobianBuffer(builder, bounds(), ofRow);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::outputs() {
+  FunctionBuilder builder("outputs");
+  builder.buffer(system_.outputs);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::energies() {
+  FunctionBuilder builder("energies");
+  builder.buffer(std::array{system_.kineticEnergy});
+  builder.buffer(std::array{system_.potentialEnergy});
+  builder.buffer(std::array{system_.power});
+  return builder.take();
+}
+
+}  // namespace
+
+std::vector<ir::Function> modelFunctions(HybridSystem &system) {
+  ModelFunctions functions(system);
+  std::vector<ir::Function> all;
+  all.push_back(functions.bindings());
+  all.push_back(functions.starts());
+  all.emplace_back();  // kinematics: nq = nv and q' = v
+  all.push_back(functions.dynamics());
+  all.push_back(functions.switching());
+  all.push_back(functions.contactTerms());
+  all.push_back(functions.contactParameters());
+  all.push_back(functions.switchGradients());
+  all.push_back(functions.stepDerivatives());
+  all.push_back(functions.dynamicsDerivatives());
+  all.push_back(functions.outputs());
+  all.push_back(functions.energies());
+  return all;
+}
+
+}  // namespace tf

@@ -1,0 +1,331 @@
+// The table of quantities: names, units and descriptions of everything that a run reports or takes.
+#include "compiler/mechanics/derivation.h"
+
+#include "compiler/mechanics/diagnostics.h"
+#include "runtime/abi/tf_model.h"
+
+#include <algorithm>
+#include <optional>
+#include <set>
+
+namespace tf::mechanics {
+
+using equations::Role;
+using equations::ScalarVariable;
+using flat::ElementKind;
+using ir::NodeId;
+using ir::SymbolKind;
+
+namespace {
+
+// "m" → "m/s", "m/s" → "m/s2", "rad/s2" → "rad/s3"; no unit stays none.
+std::string unitPerSecond(const std::string &unit) {
+  if (unit.empty())
+    return {};
+  const std::size_t slash = unit.rfind("/s");
+  if (slash == std::string::npos)
+    return unit.find('/') == std::string::npos ? unit + "/s" : unit + ".s-1";
+  const std::string power = unit.substr(slash + 2);
+  if (power.empty())
+    return unit + "2";
+  if (power.size() == 1 && power[0] >= '2' && power[0] < '9')
+    return unit.substr(0, slash + 2) + static_cast<char>(power[0] + 1);
+  return unit + ".s-1";
+}
+
+class QuantityTable {
+public:
+  explicit QuantityTable(Derivation &derivation) : d_(derivation), system_(derivation.system), parameters_(parameterValues(system_)) {
+    for (const flat::Variable &variable : d_.model.variables)
+      taken_.insert(variable.name);
+  }
+
+  bool build();
+
+private:
+  struct Target {
+    int kind = 0, index = 0;
+    double sign = 1;
+  };
+
+  std::string freeName(std::initializer_list<const char *> candidates) {
+    for (const char *candidate : candidates)
+      if (taken_.insert(candidate).second)
+        return candidate;
+    std::string name = *(candidates.end() - 1);
+    while (!taken_.insert(name).second)
+      name += '_';
+    return name;
+  }
+
+  Quantity &add(std::string name, int kind, int index, std::string unit = {}, std::string description = {}, Span span = {}) {
+    Quantity quantity;
+    quantity.name = std::move(name);
+    quantity.kind = kind;
+    quantity.index = index;
+    quantity.unit = std::move(unit);
+    quantity.description = std::move(description);
+    quantity.span = span;
+    system_.quantities.push_back(std::move(quantity));
+    return system_.quantities.back();
+  }
+
+  Quantity &addVariable(ScalarVariable scalar, int kind, int index) {
+    const flat::Variable &variable = d_.variables.variable(scalar);
+    Quantity &quantity = add(d_.variables.name(scalar), kind, index, variable.attributes.unit, variable.description, variable.span);
+    setBounds(quantity, variable.attributes, scalar);
+    quantity.flags |= variable.isProtected ? TF_PROTECTED : 0;
+    quantity.flags |= variable.causality == flat::Causality::Output ? TF_OUTPUT : 0;
+    quantity.flags |= variable.type.base == flat::Base::Boolean ? TF_BOOLEAN : 0;
+    quantity.flags |= variable.type.base == flat::Base::Integer || variable.type.base == flat::Base::Enumeration ? TF_INTEGER : 0;
+    return quantity;
+  }
+
+  // The number that an attribute's expression has with the model's own parameter values.
+  std::optional<double> number(const flat::ExprPtr &expression, ScalarVariable scalar, std::string_view what) {
+    if (!expression)
+      return std::nullopt;
+    const std::vector<NodeId> nodes = d_.equations.resolve(d_.scalariser(*expression));
+    const NodeId node = nodes[nodes.size() == 1 ? 0 : static_cast<std::size_t>(scalar.position)];
+    if (ir::dependsOn(system_.graph, node, [](ir::Symbol s) { return s.kind != SymbolKind::Parameter; })) {
+      d_.diagnostics.report(diag::StartNotParametric, expression->span, what, d_.variables.name(scalar));
+      isFine_ = false;
+      return std::nullopt;
+    }
+    return ir::evaluate(system_.graph, std::array{node}, [&](ir::Symbol s) { return parameters_[static_cast<std::size_t>(s.index)]; })[0];
+  }
+
+  void setBounds(Quantity &quantity, const flat::Attributes &attributes, ScalarVariable scalar) {
+    quantity.min = number(attributes.min, scalar, "'min'").value_or(quantity.min);
+    quantity.max = number(attributes.max, scalar, "'max'").value_or(quantity.max);
+    quantity.nominal = number(attributes.nominal, scalar, "'nominal'").value_or(quantity.nominal);
+  }
+
+  int startFlags(const flat::Attributes &attributes, ScalarVariable scalar, bool isFixedByDefault) {
+    const double fixed = number(attributes.fixed, scalar, "'fixed'").value_or(isFixedByDefault ? 1 : 0);
+    return (fixed != 0 ? TF_FIXED : 0) | (d_.variables.variable(scalar).isFinal ? 0 : TF_SETTABLE);
+  }
+
+  void addCoordinates();
+  void addStates();
+  void addInputs();
+  void addUnknowns();
+  void addElement(const flat::Element &element, flat::ElementId id);
+  void addBody(const BodyEntry &body, const flat::Element &element);
+  void addTangentRows(const ElementEntry &entry, int kind, const char *result, int first, std::size_t count, const char *unit,
+                      const char *description);
+  void addSwitches();
+  void addParameters();
+  void addOutput(std::string name, NodeId node, std::string unit, std::string description, Span span);
+  [[nodiscard]] std::optional<Target> aliasOf(NodeId node) const;
+
+  Derivation &d_;
+  HybridSystem &system_;
+  std::vector<double> parameters_;
+  std::set<std::string> taken_;
+  std::vector<std::pair<Alias, Target>> aliases_;
+  bool isFine_ = true;
+};
+
+void QuantityTable::addCoordinates() {
+  const auto &coordinates = d_.variables.scalars(Role::Coordinate);
+  for (std::size_t k = 0; k < coordinates.size(); ++k) {
+    Quantity &quantity = addVariable(coordinates[k], TF_KIND_COORDINATE, static_cast<int>(k));
+    quantity.flags |= startFlags(d_.variables.variable(coordinates[k]).attributes, coordinates[k], true);
+  }
+  std::vector<std::string> units;
+  for (std::size_t k = 0; k < coordinates.size(); ++k) {
+    const flat::Variable &variable = d_.variables.variable(coordinates[k]);
+    const std::string name = d_.variables.name(coordinates[k]);
+    units.push_back(variable.derAttributes.unit.empty() ? unitPerSecond(variable.attributes.unit) : variable.derAttributes.unit);
+    Quantity &quantity =
+        add("der(" + name + ")", TF_KIND_VELOCITY, static_cast<int>(k), units.back(), "velocity of " + name, variable.span);
+    setBounds(quantity, variable.derAttributes, coordinates[k]);
+    quantity.flags |= startFlags(variable.derAttributes, coordinates[k], true) | (variable.isProtected ? TF_PROTECTED : 0);
+  }
+  for (std::size_t k = 0; k < coordinates.size(); ++k) {
+    const std::string name = d_.variables.name(coordinates[k]);
+    add("der(der(" + name + "))", TF_KIND_ACCELERATION, static_cast<int>(k), unitPerSecond(units[k]), "acceleration of " + name,
+        d_.variables.variable(coordinates[k]).span);
+  }
+}
+
+void QuantityTable::addStates() {
+  const auto &unknowns = d_.variables.scalars(Role::Unknown);
+  const std::vector<int> &states = d_.equations.states();
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const ScalarVariable scalar = unknowns[static_cast<std::size_t>(states[k])];
+    Quantity &quantity = addVariable(scalar, TF_KIND_STATE, static_cast<int>(k));
+    quantity.flags |= startFlags(d_.variables.variable(scalar).attributes, scalar, false);
+  }
+  for (std::size_t k = 0; k < states.size(); ++k) {
+    const ScalarVariable scalar = unknowns[static_cast<std::size_t>(states[k])];
+    const flat::Variable &variable = d_.variables.variable(scalar);
+    const std::string name = d_.variables.name(scalar);
+    add("der(" + name + ")", TF_KIND_STATE_DERIVATIVE, static_cast<int>(k), unitPerSecond(variable.attributes.unit),
+        "derivative of " + name, variable.span);
+  }
+}
+
+void QuantityTable::addInputs() {
+  const auto &inputs = d_.variables.scalars(Role::Input);
+  for (std::size_t k = 0; k < inputs.size(); ++k)
+    addVariable(inputs[k], TF_KIND_INPUT, static_cast<int>(k)).flags |= TF_SETTABLE;
+}
+
+std::optional<QuantityTable::Target> QuantityTable::aliasOf(NodeId node) const {
+  const ir::Node *definition = &system_.graph[node];
+  const double sign = definition->op == ir::Op::Neg ? -1 : 1;
+  if (sign < 0)
+    definition = &system_.graph[definition->operands[0]];
+  if (definition->op != ir::Op::Symbol)
+    return std::nullopt;
+  const int index = definition->symbol.index;
+  switch (definition->symbol.kind) {
+  case SymbolKind::Time:
+    return Target{TF_KIND_TIME, 0, sign};
+  case SymbolKind::Coordinate:
+    return Target{TF_KIND_COORDINATE, index, sign};
+  case SymbolKind::Velocity:
+    return Target{TF_KIND_VELOCITY, index, sign};
+  case SymbolKind::Acceleration:
+    return Target{TF_KIND_ACCELERATION, index, sign};
+  case SymbolKind::State:
+    return Target{TF_KIND_STATE, index, sign};
+  case SymbolKind::Input:
+    return Target{TF_KIND_INPUT, index, sign};
+  case SymbolKind::NormalForce:
+    return Target{TF_KIND_NORMAL_FORCE, index, sign};
+  case SymbolKind::TangentForce:
+    return Target{TF_KIND_TANGENT_FORCE, index, sign};
+  default:
+    return std::nullopt;
+  }
+}
+
+void QuantityTable::addOutput(std::string name, NodeId node, std::string unit, std::string description, Span span) {
+  add(std::move(name), TF_KIND_OUTPUT, static_cast<int>(system_.outputs.size()), std::move(unit), std::move(description), span);
+  system_.outputs.push_back(node);
+}
+
+void QuantityTable::addUnknowns() {
+  const auto &unknowns = d_.variables.scalars(Role::Unknown);
+  const std::set<int> states(d_.equations.states().begin(), d_.equations.states().end());
+  for (std::size_t k = 0; k < unknowns.size(); ++k) {
+    if (states.contains(static_cast<int>(k)))
+      continue;
+    const NodeId definition = d_.equations.definition(static_cast<int>(k));
+    const flat::Variable &variable = d_.variables.variable(unknowns[k]);
+    // Outputs get a column of their own; other plain second names only another name.
+    if (const auto target = aliasOf(definition); target && variable.causality != flat::Causality::Output) {
+      aliases_.push_back({{d_.variables.name(unknowns[k]), variable.description, 0, target->sign}, *target});
+      continue;
+    }
+    addVariable(unknowns[k], TF_KIND_OUTPUT, static_cast<int>(system_.outputs.size()));
+    system_.outputs.push_back(definition);
+  }
+}
+
+void QuantityTable::addBody(const BodyEntry &body, const flat::Element &element) {
+  ir::Graph &graph = system_.graph;
+  const std::vector<NodeId> velocity = timeDerivative(graph, body.position, AlongMotion::WithoutAcceleration);
+  addOutput(body.name + ".kineticEnergy", kineticEnergyOf(graph, body), "J", "kinetic energy of " + body.name, element.span);
+  const flat::Attribute *position = element.find("position");
+  const bool isScalar = position == nullptr || position->value->type.dims.size() == element.dims.size();
+  for (std::size_t k = 0; k < velocity.size(); ++k)
+    addOutput(equations::elementName(body.name + ".velocity",
+                                     isScalar ? std::vector<int>{} : std::vector{static_cast<int>(velocity.size())}, static_cast<int>(k)),
+              velocity[k], "m/s", "velocity of " + body.name, element.span);
+}
+
+void QuantityTable::addTangentRows(const ElementEntry &entry, int kind, const char *result, int first, std::size_t count, const char *unit,
+                                   const char *description) {
+  const flat::Element &element = d_.model.elements[static_cast<std::size_t>(entry.element)];
+  const bool isScalar = count == 1 && element.find("slip")->value->type.dims.size() == element.dims.size();
+  for (std::size_t k = 0; k < count; ++k)
+    add(equations::elementName(entry.name + "." + result, isScalar ? std::vector<int>{} : std::vector{static_cast<int>(count)},
+                               static_cast<int>(k)),
+        kind, first + static_cast<int>(k), unit, description + entry.name, element.span);
+}
+
+void QuantityTable::addElement(const flat::Element &element, flat::ElementId id) {
+  const auto isOurs = [&](const ElementEntry &entry) { return entry.element == id; };
+  ir::Graph &graph = system_.graph;
+  for (const BodyEntry &body : d_.elements.bodies)
+    if (isOurs(body))
+      addBody(body, element);
+  for (const ForceEntry &force : d_.elements.forces)
+    if (isOurs(force))
+      addOutput(force.name + ".power", powerOf(graph, force), "W", "power of " + force.name, element.span);
+  for (const PotentialEntry &potential : d_.elements.potentials)
+    if (isOurs(potential))
+      addOutput(potential.name + ".energy", potential.energy, "J", "energy of " + potential.name, element.span);
+  for (std::size_t k = 0; k < d_.elements.contacts.size(); ++k) {
+    const ContactEntry &contact = d_.elements.contacts[k];
+    if (!isOurs(contact))
+      continue;
+    const auto index = static_cast<int>(k);
+    add(contact.name + ".gap", TF_KIND_GAP, index, "m", "gap of " + contact.name, element.span);
+    add(contact.name + ".normalForce", TF_KIND_NORMAL_FORCE, index, "N", "normal force of " + contact.name, element.span);
+    addTangentRows(contact, TF_KIND_TANGENT_FORCE, "frictionForce", contact.tangentFirst, contact.slip.size(), "N", "friction force of ");
+    addTangentRows(contact, TF_KIND_SLIP, "slip", contact.tangentFirst, contact.slip.size(), "m/s", "slip velocity of ");
+    add(contact.name + ".closed", TF_KIND_CLOSED, index, "", contact.name + " is closed", element.span).flags |= TF_BOOLEAN;
+    if (!contact.slip.empty())
+      add(contact.name + ".sticking", TF_KIND_STICKING, contact.tangentFirst, "", contact.name + " sticks", element.span).flags |=
+          TF_BOOLEAN;
+    add(contact.name + ".impulse", TF_KIND_IMPULSE, index, "N.s", "accumulated normal impulse of impacts of " + contact.name, element.span);
+  }
+  for (const FrictionEntry &friction : d_.elements.frictions)
+    if (isOurs(friction)) {
+      addTangentRows(friction, TF_KIND_TANGENT_FORCE, "force", friction.tangentFirst, friction.slip.size(), "N", "friction force of ");
+      addTangentRows(friction, TF_KIND_SLIP, "slip", friction.tangentFirst, friction.slip.size(), "m/s", "slip velocity of ");
+      add(friction.name + ".sticking", TF_KIND_STICKING, friction.tangentFirst, "", friction.name + " sticks", element.span).flags |=
+          TF_BOOLEAN;
+    }
+}
+
+void QuantityTable::addSwitches() {
+  const std::string step = system_.switches.empty() ? "" : freeName({"alpha", "stepVariable"});
+  for (std::size_t k = 0; k < system_.switches.size(); ++k)
+    add(fmt::format("{}[{}]", step, k + 1), TF_KIND_STEP_VARIABLE, static_cast<int>(k), "", "step variable of " + system_.switches[k].text,
+        system_.switches[k].span);
+  add(freeName({"timeSpeed", "numericalTimeSpeed"}), TF_KIND_TIME_SPEED, 0, "", "physical time per numerical time");
+}
+
+void QuantityTable::addParameters() {
+  const auto &parameters = d_.variables.scalars(Role::Parameter);
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    const flat::Variable &variable = d_.variables.variable(parameters[k]);
+    Quantity &quantity = addVariable(parameters[k], TF_KIND_PARAMETER, static_cast<int>(k));
+    quantity.flags |= TF_FIXED;
+    quantity.flags |= variable.isStructural ? TF_STRUCTURAL : 0;
+    quantity.flags |= system_.parameterBindings[k] >= 0 ? TF_BOUND : 0;
+    quantity.flags |= variable.isFinal || variable.isProtected || variable.isStructural ? 0 : TF_SETTABLE;
+  }
+}
+
+bool QuantityTable::build() {
+  add("time", TF_KIND_TIME, 0, "s", "physical time");
+  add(freeName({"tau", "numericalTime"}), TF_KIND_NUMERICAL_TIME, 0, "", "numerical time");
+  addCoordinates();
+  addStates();
+  addInputs();
+  addUnknowns();
+  for (std::size_t k = 0; k < d_.model.elements.size(); ++k)
+    addElement(d_.model.elements[k], static_cast<flat::ElementId>(k));
+  addSwitches();
+  addParameters();
+  for (auto &[alias, target] : aliases_) {
+    const auto found =
+        std::ranges::find_if(system_.quantities, [&](const Quantity &q) { return q.kind == target.kind && q.index == target.index; });
+    alias.quantity = static_cast<int>(found - system_.quantities.begin());
+    system_.aliases.push_back(alias);
+  }
+  return isFine_;
+}
+
+}  // namespace
+
+bool tabulateQuantities(Derivation &derivation) { return QuantityTable(derivation).build(); }
+
+}  // namespace tf::mechanics
