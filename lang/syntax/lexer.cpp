@@ -225,10 +225,10 @@ void Lexer::quotedName() {
       position_ += length - 1;
     }
   }
-  // Read on behind the word.
-  position_ = begin + 1;
-  while (isWordAt(position_))
-    ++position_;
+  // Read on before what probably stands behind the name.
+  position_ = std::min(text_.find_first_of(";,=()[]\r\n", begin + 1), text_.size());
+  while (classAt(position_ - 1) == Blank)
+    --position_;
   diagnostics_.report(UnterminatedName, span(begin, position_));
   push(TokenKind::Identifier, begin);
 }

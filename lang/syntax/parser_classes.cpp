@@ -123,7 +123,8 @@ ast::ClassDefinition *Parser::parseClass(bool inModification) {
     return definition;
   if (atMisplacedOptimization())
     complain(MisplacedOptimization, span(current()));
-  parseClassPrefixes(*definition);
+  if (!parseClassPrefixes(*definition))
+    return definition;
   const bool isOptimization = definition->restriction == Restriction::Optimization;
   if (!recovering_ && accept(TokenKind::Extends)) {
     definition->form = ClassForm::LongExtends;
@@ -150,7 +151,8 @@ ast::ClassDefinition *Parser::parseClass(bool inModification) {
   return definition;
 }
 
-void Parser::parseClassPrefixes(ast::ClassDefinition &definition) {
+// False, with an error, if no keyword says what the class is.
+bool Parser::parseClassPrefixes(ast::ClassDefinition &definition) {
   definition.isEncapsulated = accept(TokenKind::Encapsulated);
   definition.isPartial = accept(TokenKind::Partial);
   if (at(TokenKind::Encapsulated)) {
@@ -164,6 +166,7 @@ void Parser::parseClassPrefixes(ast::ClassDefinition &definition) {
   const auto restriction = [&](Restriction value) {
     definition.restriction = value;
     advance();
+    return true;
   };
   switch (kind_) {
   case TokenKind::Function:
@@ -177,12 +180,10 @@ void Parser::parseClassPrefixes(ast::ClassDefinition &definition) {
   }
   if (isOperator) {
     definition.restriction = Restriction::Operator;
-    return;
+    return true;
   }
-  if (definition.isPure || definition.isImpure || definition.isExpandable) {
-    unexpected(definition.isExpandable ? "'connector'" : "'function'");
-    return;
-  }
+  if (definition.isPure || definition.isImpure || definition.isExpandable)
+    complain(UnexpectedToken, span(current()), definition.isExpandable ? "'connector'" : "'function'", describe(current()));
   switch (kind_) {
   case TokenKind::Class:
     return restriction(Restriction::Class);
@@ -198,6 +199,7 @@ void Parser::parseClassPrefixes(ast::ClassDefinition &definition) {
     if (atWord("optimization"))
       return restriction(Restriction::Optimization);
     unexpected("a class, as in 'model' or 'function'");
+    return false;
   }
 }
 
@@ -342,7 +344,7 @@ void Parser::parseComposition(ast::ClassDefinition &definition) {
   auto sections = list<ast::Section>();
   bool isProtected = false;
   while (true) {
-    const std::size_t start = position_;
+    const std::size_t start = itemStart_ = position_;
     if (!parseCompositionItem(definition, elements, sections, isProtected))
       break;
     if (recovering_)

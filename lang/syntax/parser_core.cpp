@@ -53,9 +53,7 @@ std::string Parser::describe(const Token &token) const {
 // What is missing before a token on a new line is missing at the end of the previous one.
 Span Parser::errorSpan() const {
   const Token &token = current();
-  const TokenKind before = previous().kind;
-  const bool isFirst = before == TokenKind::Semicolon || before == TokenKind::Equation || before == TokenKind::Algorithm;
-  const bool isBehind = position_ > 0 && !isFirst && (token.startsLine || token.kind == TokenKind::EndOfFile);
+  const bool isBehind = position_ > itemStart_ && (token.startsLine || token.kind == TokenKind::EndOfFile);
   return isBehind ? Span{file_, previous().end, previous().end} : span(token);
 }
 

@@ -151,7 +151,7 @@ private:
   [[nodiscard]] bool atOptimization() const;
   [[nodiscard]] bool atMisplacedOptimization() const;
   ast::ClassDefinition *parseClass(bool inModification = false);
-  void parseClassPrefixes(ast::ClassDefinition &definition);
+  bool parseClassPrefixes(ast::ClassDefinition &definition);
   void parseLongClass(ast::ClassDefinition &definition);
   void parseShortClass(ast::ClassDefinition &definition);
   void parseEnumeration(ast::ClassDefinition &definition);
@@ -205,6 +205,7 @@ private:
   std::vector<Span> comments_;
   std::uint32_t unreliableFrom_;
   std::size_t position_ = 0;
+  std::size_t itemStart_ = 0;              // position of the first token of the element, equation or statement that is read
   TokenKind kind_ = TokenKind::EndOfFile;  // of the current token; in recovery recoveryKind
   bool recovering_ = false;
   bool failedInMatrix_ = false;    // where recovery was entered

@@ -76,6 +76,8 @@ void setPrefix(ast::ComponentClause &clause, TokenKind kind) {
 bool Parser::atCoordinatePrefix() const {
   if (!atWord("coordinate"))
     return false;
+  if (typePrefixRank(peek(1).kind) != NoPrefix)
+    return true;  // an error either way, and this one is told better
   std::size_t ahead = 1;
   if (peek(ahead).kind == TokenKind::Dot)
     ++ahead;

@@ -68,7 +68,7 @@ bool Parser::atEndOfBody() const {
 template <class Body> ast::List<Body *> Parser::parseBody() {
   auto bodies = list<Body *>();
   while (!atEndOfBody() && !atGluedEnd() && !atMisspelledElseif()) {
-    const std::size_t start = position_;
+    const std::size_t start = itemStart_ = position_;
     if constexpr (std::is_same_v<Body, ast::Equation>)
       bodies.push(parseEquation());
     else
@@ -329,12 +329,13 @@ ast::Equation *Parser::parseConnect() {
     return connector;
   };
   equation->left = parseConnector();
-  if (at(TokenKind::RightParenthesis))
-    complain(ConnectArgument, since(begin));
-  else if (expect(TokenKind::Comma))
+  const bool isAlone = at(TokenKind::RightParenthesis);
+  if (!isAlone && expect(TokenKind::Comma))
     equation->right = parseConnector();
   expectClosing(TokenKind::RightParenthesis, opening);
   equation->span = since(begin);
+  if (isAlone)
+    complain(ConnectArgument, equation->span);
   return equation;
 }
 
