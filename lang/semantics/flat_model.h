@@ -37,28 +37,86 @@ enum class ExprKind : std::uint8_t {
   Variable,   // variable, indices
   Attribute,  // element, attribute, indices: an attribute or result of an element read as `floor.normalForce`
   Time,
-  Unary,      // op: Minus, Not; element-wise
-  Binary,     // op; Plus, Minus and relations element-wise; Times is scalar·array, or the matrix product where both are arrays; Dot… element-wise
-  If,         // args: condition, value, else
-  Call,       // function (see Function), args
-  Array,      // args stacked along a new first dimension
-  Concatenate,// args concatenated along dimension `axis` (from 0)
-  Index,      // args[0] selected by indices
-  Derivative, // der(args[0])
+  Unary,        // op: Minus, Not; element-wise
+  Binary,       // op; Plus, Minus and relations element-wise; Times is scalar·array, or the matrix product where both are arrays; Dot…
+                // element-wise
+  If,           // args: condition, value, else
+  Call,         // function (see Function), args
+  Array,        // args stacked along a new first dimension
+  Concatenate,  // args concatenated along dimension `axis` (from 0)
+  Index,        // args[0] selected by indices
+  Derivative,   // der(args[0])
 };
 
 enum class Operator : std::uint8_t {
-  None, Plus, Minus, Times, Divide, Power, DotTimes, DotDivide, DotPower,
-  And, Or, Not, Less, LessEqual, Greater, GreaterEqual, Equal, NotEqual,
+  None,
+  Plus,
+  Minus,
+  Times,
+  Divide,
+  Power,
+  DotTimes,
+  DotDivide,
+  DotPower,
+  And,
+  Or,
+  Not,
+  Less,
+  LessEqual,
+  Greater,
+  GreaterEqual,
+  Equal,
+  NotEqual,
 };
 
 // Built-in functions that remain in expressions. Vectorised calls on arrays keep one node (element-wise).
 enum class Function : std::uint8_t {
-  Abs, Sign, Sqrt, Sin, Cos, Tan, Asin, Acos, Atan, Atan2, Sinh, Cosh, Tanh, Exp, Log, Log10,
-  Div, Mod, Rem, Floor, Ceil, Integer,
-  Min, Max,                        // of two scalars (the array forms are unfolded to nested calls)
-  Sum, Product, Transpose, Cross, Skew, Diagonal, Identity, OuterProduct, Symmetric, Fill, Scalar, Vector, Matrix,
-  NoEvent, Smooth, Initial, Terminal, Pre, Edge, Change, Sample, String,
+  Abs,
+  Sign,
+  Sqrt,
+  Sin,
+  Cos,
+  Tan,
+  Asin,
+  Acos,
+  Atan,
+  Atan2,
+  Sinh,
+  Cosh,
+  Tanh,
+  Exp,
+  Log,
+  Log10,
+  Div,
+  Mod,
+  Rem,
+  Floor,
+  Ceil,
+  Integer,
+  Min,
+  Max,  // of two scalars (the array forms are unfolded to nested calls)
+  Sum,
+  Product,
+  Transpose,
+  Cross,
+  Skew,
+  Diagonal,
+  Identity,
+  OuterProduct,
+  Symmetric,
+  Fill,
+  Scalar,
+  Vector,
+  Matrix,
+  NoEvent,
+  Smooth,
+  Initial,
+  Terminal,
+  Pre,
+  Edge,
+  Change,
+  Sample,
+  String,
 };
 
 // One dimension's selection: 1-based positions; `scalar` drops the dimension.
@@ -96,19 +154,19 @@ struct Attributes {
 };
 
 struct Variable {
-  std::string name;               // full instance path: "arm.phi"
+  std::string name;  // full instance path: "arm.phi"
   Type type;
   Variability variability = Variability::Continuous;
   Causality causality = Causality::Local;
   bool isCoordinate = false;
-  bool isStructural = false;      // parameter whose value is folded into sizes, conditions or Evaluate = true
+  bool isStructural = false;  // parameter whose value is folded into sizes, conditions or Evaluate = true
   bool isFinal = false, isProtected = false;
   Attributes attributes;
-  Attributes derAttributes;       // coordinates: of the velocity
-  ExprPtr binding;                // declaration equation; for parameters the value (null: attributes.start, else 0 and a warning)
+  Attributes derAttributes;  // coordinates: of the velocity
+  ExprPtr binding;           // declaration equation; for parameters the value (null: attributes.start, else 0 and a warning)
   std::string description;
   std::vector<std::string> literals;  // of an enumeration
-  Span span;                      // of the name in its declaration
+  Span span;                          // of the name in its declaration
 };
 
 enum class ElementKind : std::uint8_t { Body, Gravity, Force, Potential, Constraint, Contact, Friction };
@@ -121,12 +179,12 @@ struct Attribute {
 
 struct Element {
   ElementKind kind = ElementKind::Body;
-  std::string name;               // full instance path
-  std::vector<int> dims;          // of an element array
-  std::string scope;              // instance path of the component that declares it ("" at top): what `gravity` acts on
+  std::string name;                   // full instance path
+  std::vector<int> dims;              // of an element array
+  std::string scope;                  // instance path of the component that declares it ("" at top): what `gravity` acts on
   std::vector<Attribute> attributes;  // given ones and defaults that the reference fixes
   std::string description;
-  Span span;                      // of the name in its declaration
+  Span span;  // of the name in its declaration
 
   [[nodiscard]] const Attribute *find(std::string_view attribute) const;
 };
@@ -167,4 +225,4 @@ struct FlatModel {
 // Checks the contract above; returns the first violation, empty if none.
 [[nodiscard]] std::string verify(const FlatModel &model);
 
-} // namespace tf::flat
+}  // namespace tf::flat

@@ -16,9 +16,9 @@ struct InstantiateOptions {
 };
 
 struct Instantiation {
-  std::optional<flat::FlatModel> model;   // absent if there were errors
-  std::vector<std::string> candidates;    // when no model was named and there is not exactly one
-  std::vector<std::string> files;         // every file that was read, in order (the cache's key)
+  std::optional<flat::FlatModel> model;  // absent if there were errors
+  std::vector<std::string> candidates;   // when no model was named and there is not exactly one
+  std::vector<std::string> files;        // every file that was read, in order (the cache's key)
 };
 
 // Reads `files` (paths) and the library files that they refer to. Errors are reported to `diagnostics`.
@@ -33,7 +33,6 @@ struct Instantiation {
 
 // Value of a scalar or array expression, row-major; `variable` gives the scalars of a Variable node. Nothing if it cannot be evaluated.
 [[nodiscard]] std::optional<std::vector<double>>
-evaluate(const flat::Expr &expression, double time,
-         const std::function<std::optional<std::vector<double>>(flat::VariableId)> &variable);
+evaluate(const flat::Expr &expression, double time, const std::function<std::optional<std::vector<double>>(flat::VariableId)> &variable);
 
-} // namespace tf
+}  // namespace tf

@@ -1,0 +1,50 @@
+// Symbolic execution of a function's algorithm: every variable's value is an expression of the arguments. Loops run over ranges that are
+// known; where a condition is not known, both branches are executed and their results joined by if-expressions.
+#pragma once
+
+#include "lang/semantics/typing.h"
+
+#include <deque>
+
+namespace tf::semantics {
+
+class FunctionBody {
+public:
+  FunctionBody(Context &context, Class &function) : context_(context), function_(function) {}
+
+  // Declares a variable; a null value: none yet.
+  void declare(std::string_view name, Type type, ExprPtr value);
+  // Runs all algorithm sections. False if there is an error: reported.
+  bool run();
+  // A typer for expressions of the body, with the present values.
+  [[nodiscard]] Typer typer() const { return {context_, Scope{&function_, top(), true}}; }
+  // The value of a variable; null if it has none.
+  [[nodiscard]] ExprPtr value(std::string_view name) const;
+
+private:
+  enum class Flow : std::uint8_t { Next, Break, Return, Error };
+
+  [[nodiscard]] const Locals *top() const { return variables_.empty() ? nullptr : &variables_.back(); }
+  Locals *find(std::string_view name);
+  Flow runAll(const ast::List<ast::Statement *> &statements, const Locals *iterators);
+  Flow runStatement(const ast::Statement &statement, const Locals *iterators);
+  Flow runIf(const ast::Statement &statement, std::size_t branch, const Locals *iterators);
+  Flow joinBranches(const ast::Statement &statement, std::size_t branch, const ExprPtr &condition, const Locals *iterators);
+  Flow runFor(const ast::Statement &statement, std::size_t level, const Locals *iterators);
+  Flow runWhile(const ast::Statement &statement, const Locals *iterators);
+  Flow runCall(const ast::Statement &statement, const Locals *iterators);
+  Flow assignOutputs(const ast::Statement &statement, const Locals *iterators);
+  Flow assign(const ast::Expr &target, const ExprPtr &value, const Locals *iterators);
+  Flow fail(Span span, std::string_view what);
+  ExprPtr type(const ast::Expr &expr, const Locals *iterators);
+  // The value of a condition; nothing if it depends on anything but constants.
+  std::optional<bool> known(const flat::Expr &condition);
+  bool isOverLimit(Span span);
+
+  Context &context_;
+  Class &function_;
+  std::deque<Locals> variables_;
+  long steps_ = 0;
+};
+
+}  // namespace tf::semantics

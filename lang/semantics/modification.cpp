@@ -1,0 +1,227 @@
+#include "lang/semantics/modification.h"
+
+#include "lang/semantics/diagnostics.h"
+
+#include <algorithm>
+#include <map>
+#include <string>
+
+namespace tf::semantics {
+
+namespace {
+
+constexpr std::string_view kDer = "der";
+
+// A modifier under construction; children are found by name.
+struct Draft {
+  Modifier node;
+  std::vector<Draft> children;
+
+  Draft &child(std::string_view name, Span nameSpan, Span span) {
+    for (Draft &draft : children)
+      if (draft.node.name == name)
+        return draft;
+    Draft &added = children.emplace_back();
+    added.node.name = name;
+    added.node.nameSpan = nameSpan;
+    added.node.span = span;
+    return added;
+  }
+};
+
+ModifierPtr finish(Draft &&draft) {
+  for (Draft &child : draft.children)
+    draft.node.children.push_back(finish(std::move(child)));
+  return std::make_shared<const Modifier>(std::move(draft.node));
+}
+
+class Builder {
+public:
+  Builder(Class *scope, Diagnostics &diagnostics) : scope_(scope), diagnostics_(diagnostics) {}
+
+  void addModification(Draft &target, const ast::Modification &modification, bool isEach) {
+    if (modification.isBreak)
+      diagnostics_.report(diag::BreakNotSupported, modification.span);
+    for (const ast::Argument &argument : modification.arguments)
+      addArgument(target, argument);
+    if (modification.value == nullptr)
+      return;
+    if (target.node.binding)
+      reportTwice(target.node.name, modification.value->span, target.node.binding->span);
+    else
+      target.node.binding = Binding{modification.value, scope_, modification.span, isEach, 0, {}};
+  }
+
+  void addRedeclaration(Draft &target, const ast::ComponentClause *clause, const ast::Component *component,
+                        const ast::ClassDefinition *definition, bool isReplaceable) {
+    if (target.node.redeclaration)
+      reportTwice(target.node.name, target.node.nameSpan, target.node.span);
+    target.node.redeclaration = Redeclaration{clause, component, definition, scope_, isReplaceable};
+  }
+
+private:
+  void addArgument(Draft &target, const ast::Argument &argument) {
+    switch (argument.kind) {
+    case ast::ArgumentKind::Element:
+      addElement(target, argument);
+      return;
+    case ast::ArgumentKind::Der: {
+      Draft &child = target.child(kDer, argument.span, argument.span);
+      child.node.isEach |= argument.isEach;
+      child.node.isFinal |= argument.isFinal;
+      if (argument.modification != nullptr)
+        addModification(child, *argument.modification, argument.isEach);
+      return;
+    }
+    case ast::ArgumentKind::BreakComponent:
+    case ast::ArgumentKind::BreakConnect:
+      diagnostics_.report(diag::BreakNotSupported, argument.span);
+      return;
+    case ast::ArgumentKind::RedeclareComponent:
+      if (argument.component != nullptr && !argument.component->components.empty()) {
+        const ast::Component &component = argument.component->components[0];
+        Draft &child = target.child(component.name.text, component.name.span, argument.span);
+        child.node.isFinal |= argument.isFinal;
+        addRedeclaration(child, argument.component, &component, nullptr, argument.isReplaceable);
+      }
+      return;
+    case ast::ArgumentKind::RedeclareClass:
+      if (argument.classDefinition != nullptr) {
+        const ast::Name &name = argument.classDefinition->name;
+        Draft &child = target.child(name.text, name.span, argument.span);
+        child.node.isFinal |= argument.isFinal;
+        addRedeclaration(child, nullptr, nullptr, argument.classDefinition, argument.isReplaceable);
+      }
+      return;
+    }
+  }
+
+  // `a.b.c(…) = e`: prefixes belong to the last part (MLS 7.2.4).
+  void addElement(Draft &target, const ast::Argument &argument) {
+    if (argument.path.parts.empty())
+      return;
+    Draft *draft = &target;
+    for (const ast::ReferencePart &part : argument.path.parts)
+      draft = &draft->child(part.name.text, part.name.span, argument.span);
+    draft->node.isEach |= argument.isEach;
+    draft->node.isFinal |= argument.isFinal;
+    if (argument.modification != nullptr)
+      addModification(*draft, *argument.modification, argument.isEach);
+  }
+
+  void reportTwice(std::string_view name, Span second, Span first) {
+    diagnostics_.report(diag::ModifiedTwice, second, name).note(first, "first modified here");
+  }
+
+  Class *scope_;
+  Diagnostics &diagnostics_;
+};
+
+bool saysSomething(const Modifier &modifier) { return modifier.binding || modifier.redeclaration || !modifier.children.empty(); }
+
+}  // namespace
+
+const ModifierPtr *Modifier::find(std::string_view child) const {
+  const auto found = std::ranges::find_if(children, [&](const ModifierPtr &entry) { return entry->name == child; });
+  return found == children.end() ? nullptr : &*found;
+}
+
+ModifierPtr makeModifier(const ast::Modification *modification, Class *scope, Diagnostics &diagnostics) {
+  if (modification == nullptr)
+    return nullptr;
+  Draft draft;
+  draft.node.span = modification->span;
+  draft.node.nameSpan = modification->span;
+  Builder(scope, diagnostics).addModification(draft, *modification, false);
+  return finish(std::move(draft));
+}
+
+ModifierPtr makeRedeclaration(const ast::Element &element, const ast::Component *component, Class *scope, Diagnostics &diagnostics) {
+  Draft draft;
+  const ast::Name &name = component != nullptr ? component->name : element.classDefinition->name;
+  draft.node.name = name.text;
+  draft.node.nameSpan = name.span;
+  draft.node.span = element.span;
+  draft.node.isFinal = element.isFinal;
+  Builder builder(scope, diagnostics);
+  builder.addRedeclaration(draft, element.component, component, element.classDefinition, element.isReplaceable);
+  return finish(std::move(draft));
+}
+
+ModifierPtr merge(const ModifierPtr &outer, const ModifierPtr &inner, Diagnostics &diagnostics) {
+  if (!outer)
+    return inner;
+  if (!inner)
+    return outer;
+  if (inner->isFinal && saysSomething(*outer))
+    diagnostics.report(diag::FinalModified, outer->nameSpan, inner->name).note(inner->span, "declared final here");
+  auto merged = std::make_shared<Modifier>(*outer);
+  merged->isFinal = outer->isFinal || inner->isFinal;
+  if (!merged->binding) {
+    merged->binding = inner->binding;
+    merged->isEach = outer->isEach || inner->isEach;
+  }
+  if (!merged->redeclaration)
+    merged->redeclaration = inner->redeclaration;
+  for (const ModifierPtr &child : inner->children) {
+    const auto same = std::ranges::find_if(merged->children, [&](const ModifierPtr &entry) { return entry->name == child->name; });
+    if (same == merged->children.end())
+      merged->children.push_back(child);
+    else
+      *same = merge(*same, child, diagnostics);
+  }
+  return merged;
+}
+
+namespace {
+
+// Applies `change` to every binding below `modifier`.
+template <class Change> ModifierPtr mapBindings(const ModifierPtr &modifier, const Change &change) {
+  auto copy = std::make_shared<Modifier>(*modifier);
+  if (copy->binding)
+    change(*copy->binding);
+  for (ModifierPtr &child : copy->children)
+    child = mapBindings(child, change);
+  return copy;
+}
+
+}  // namespace
+
+ModifierPtr splitForElement(const ModifierPtr &modifier, const std::vector<int> &index) {
+  if (!modifier)
+    return nullptr;
+  const auto split = [&](Binding &binding) {
+    if (binding.outerDims >= static_cast<int>(index.size()))
+      return;
+    binding.projections.push_back({{index.begin() + binding.outerDims, index.end()}, {}});
+  };
+  auto copy = std::make_shared<Modifier>(*modifier);
+  if (copy->binding && !copy->binding->isEach)
+    split(*copy->binding);
+  for (ModifierPtr &child : copy->children) {
+    if (!child->isEach) {
+      child = mapBindings(child, split);
+      continue;
+    }
+    auto element = std::make_shared<Modifier>(*child);
+    element->isEach = false;
+    if (element->binding)
+      element->binding->isEach = false;
+    child = element;
+  }
+  return copy;
+}
+
+ModifierPtr shiftDimensions(const ModifierPtr &modifier, int depth) {
+  if (!modifier || depth == 0)
+    return modifier;
+  return mapBindings(modifier, [depth](Binding &binding) { binding.outerDims += depth; });
+}
+
+Binding projectField(const Binding &binding, std::string_view field) {
+  Binding projected = binding;
+  projected.projections.push_back({{}, field});
+  return projected;
+}
+
+}  // namespace tf::semantics

@@ -1,0 +1,2 @@
+within TF;
+package Constants = Modelica.Constants "mathematical constants and constants of nature";

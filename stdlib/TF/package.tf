@@ -1,0 +1,2 @@
+package TF "the library of mechanical models"
+end TF;
