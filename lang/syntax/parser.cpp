@@ -15,14 +15,14 @@ namespace {
 
 // The lexer runs before the parser: their diagnostics are merged in the order of the text.
 void append(const Diagnostics &local, std::uint32_t unreliableFrom, Diagnostics &diagnostics) {
-  std::vector<const Diagnostic *> ordered;
-  for (const Diagnostic &diagnostic : local.all()) {
-    if (diagnostic.span.begin <= unreliableFrom)
-      ordered.push_back(&diagnostic);
+  std::vector<std::pair<std::uint32_t, std::size_t>> order;
+  for (std::size_t i = 0; i < local.all().size(); ++i) {
+    if (const std::uint32_t begin = local.all()[i].span.begin; begin <= unreliableFrom)
+      order.emplace_back(begin, i);
   }
-  std::stable_sort(ordered.begin(), ordered.end(), [](const Diagnostic *a, const Diagnostic *b) { return a->span.begin < b->span.begin; });
-  for (const Diagnostic *diagnostic : ordered)
-    diagnostics.add(*diagnostic);
+  std::sort(order.begin(), order.end());
+  for (const auto &[begin, i] : order)
+    diagnostics.add(local.all()[i]);
 }
 
 }  // namespace

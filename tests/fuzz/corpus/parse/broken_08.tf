@@ -1,0 +1,5 @@
+model A
+  Real x;
+equations
+  der(x) = 1;
+end A;

@@ -1,0 +1,6 @@
+model A
+  Real x "unterminated;
+  Real y "foo";
+equation
+  x = 1;
+end A;

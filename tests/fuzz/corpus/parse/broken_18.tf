@@ -1,0 +1,5 @@
+x = 1;
+model A end A;
+foo bar;
+within B;
+model B end B;

@@ -1,0 +1,31 @@
+model Expressions
+equation
+  x = a + b - c*d/e^f .+ g .- h .* i ./ j .^ k;
+  x = -a + b;
+  x = (-a)*b;
+  x = +a .+ (.-b);
+  x = not a and b or c and not d;
+  x = a < b and a <= b or a > b and a >= b or a == b or a <> b;
+  x = if a then b elseif c then d else if e then f else g;
+  x = 1:n;
+  x = 1:2:n + 1;
+  x = a[1, :, end, end - 1, 2:end, {1, 2}];
+  x = .A.b[1].c[end].d;
+  x = {1, 2, {3, 4}, 5};
+  x = {i^2 for i in 1:3, j in 1:2};
+  x = [1, 2; 3, 4];
+  x = [[1]; a, b];
+  x = sum(i for i in 1:3);
+  x = max(i*j for i, j in 1:3);
+  x = f(1, b = 2, c = function g(d = 1));
+  x = f(function g(), 2);
+  x = der(x) + pre(y) + initial();
+  x = pure(f(x));
+  x = (a + b)[1] + ({1, 2, 3})[end];
+  x = (a, , b);
+  x = true and false;
+  x = "a" + "b";
+  x = {"tab\t", "q\"", "\\"};
+  x = ((((1))));
+  x = 'a.b'.c;
+end Expressions;
