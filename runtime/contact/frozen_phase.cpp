@@ -230,6 +230,8 @@ void FrozenPhase::Workspace::follow(int forced) {
     advance(row, duration);
     event = FrozenEvent::Start;
     const int pieces = ++result.breakpointCount;
+    if (pieces > breakpointLimit)
+      return fail(FrozenStatus::Cycle);
     if (pieces < tailFrom || !tail.repeats())
       continue;
     if (tail.factor() < 1 - 1e-9 && tail.factor() > 0) {
@@ -238,8 +240,6 @@ void FrozenPhase::Workspace::follow(int forced) {
     } else if (pieces > cycleLimit) {
       return fail(FrozenStatus::Cycle);
     }
-    if (pieces > breakpointLimit)
-      return fail(FrozenStatus::Cycle);
   }
   std::fill(force.begin(), force.end(), 0.0);
   std::fill(acceleration.begin(), acceleration.end(), 0.0);

@@ -119,9 +119,12 @@ LinearComplementarity::Status LinearComplementarity::solve(double tolerance) {
   if (eliminateFree(tolerance) == Status::Contradictory)
     return Status::Contradictory;
 
+  double zero = 0;  // elimination leaves rounding errors of the size of the data
+  for (const double q : bias_)
+    zero = std::max(zero, 1e-13 * std::abs(q));
   int first = -1;
   for (int r = 0; r < size_; ++r) {
-    if (unrestricted_[r] || dropped_[r] || row(r)[rhs] >= 0)
+    if (unrestricted_[r] || dropped_[r] || row(r)[rhs] >= -zero)
       continue;
     // Smallest bias/covering; of equal ones the last is lexicographically smallest.
     if (first < 0 || row(r)[rhs] * covering_[first] <= row(first)[rhs] * covering_[r])
@@ -133,8 +136,13 @@ LinearComplementarity::Status LinearComplementarity::solve(double tolerance) {
     while (leaving != cover) {
       const int entering = leaving < size_ ? leaving + size_ : leaving - size_;
       const int r = leavingRow(entering);
-      if (r < 0 || pivots_ > 50 * size_ + 100)
+      if (r < 0 || pivots_ > 50 * size_ + 100) {
+        // A covering variable of rounding size is as good as gone.
+        const auto covered = std::find(basic_.begin(), basic_.end(), cover);
+        if (row(static_cast<int>(covered - basic_.begin()))[rhs] <= 100 * zero)
+          break;
         return Status::Ray;
+      }
       leaving = basic_[r];
       pivot(r, entering);
     }

@@ -121,12 +121,12 @@ void NextDerivative::dropDependent() {
   }
 }
 
-// True: decided.
+// True: decided. Redundant rows with the rate 0 stay in the mode whatever part of the load this solution gives them.
 bool NextDerivative::labelNormal(int i, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const {
   const double metric = solver_.metric()[i];
   const bool opens = found.acceleration[i] / metric > zero, closes = found.force[i] * metric > zero;
-  solution.mode.closed[i] = opens ? 0 : closes || found.mode.normal[i] == NormalState::Active ? 1 : 0;
-  return opens || closes;
+  solution.mode.closed[i] = opens ? 0 : closes || redundant_ || found.mode.normal[i] == NormalState::Active ? 1 : 0;
+  return opens || closes || redundant_;
 }
 
 bool NextDerivative::labelTangent(int n, int j, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const {
@@ -141,8 +141,8 @@ bool NextDerivative::labelTangent(int n, int j, double zero, const PlanarFrictio
     solution.mode.slip[j] = static_cast<std::int8_t>(acceleration > 0 ? 1 : -1);
     return true;
   }
-  solution.mode.slip[j] = sticks ? std::int8_t{0} : found.mode.slip[j];
-  return sticks || p.tangentKind[j] == TangentKind::None;
+  solution.mode.slip[j] = sticks || redundant_ ? std::int8_t{0} : found.mode.slip[j];
+  return sticks || redundant_ || p.tangentKind[j] == TangentKind::None;
 }
 
 void NextDerivative::label(const ContactProblem &problem, double degeneracy, const PlanarFrictionSolution &found,
@@ -161,6 +161,7 @@ void NextDerivative::label(const ContactProblem &problem, double degeneracy, con
 
 void NextDerivative::decide(const ContactProblem &problem, const ContactRates &rates, const ContactMode *previous,
                             const ContactSolver::Settings &settings, ContactSolution &solution) {
+  redundant_ = solution.redundant;
   pose(problem, rates, settings.degeneracy, solution);
   const PlanarFrictionMode *preferred = nullptr;
   if (previous != nullptr) {

@@ -30,6 +30,7 @@ private:
   PlanarFrictionSolver solver_;
   PlanarFrictionMode previous_;
   std::vector<std::uint8_t> degenerate_;  // rows
+  bool redundant_ = false;
   std::vector<double> forceRates_, remaining_;
   std::vector<int> bilateral_;
   DenseMatrix gram_;
