@@ -17,17 +17,41 @@ namespace {
 // Local errors of a multistep method add up: a tenth of the tolerance keeps the global error near it (theory.md section 6).
 constexpr double toleranceFactor = 0.1;
 
+// What the callbacks work on.
+struct Problem {
+  ModeDynamics *dynamics;
+  const double *scale;
+  std::vector<double> rate;
+};
+
 int evaluateRate(realtype time, N_Vector state, N_Vector rate, void *data) {
-  auto *dynamics = static_cast<ModeDynamics *>(data);
+  ModeDynamics *dynamics = static_cast<Problem *>(data)->dynamics;
   return dynamics->evaluate(time, N_VGetArrayPointer(state), N_VGetArrayPointer(rate)) ? 0 : 1;
 }
 
 int evaluateJacobian(realtype time, N_Vector state, N_Vector rate, SUNMatrix matrix, void *data, N_Vector, N_Vector, N_Vector) {
-  auto *dynamics = static_cast<ModeDynamics *>(data);
+  ModeDynamics *dynamics = static_cast<Problem *>(data)->dynamics;
   // The Jacobian is taken at the last evaluation's point.
   if (!dynamics->evaluate(time, N_VGetArrayPointer(state), N_VGetArrayPointer(rate)))
     return 1;
   return dynamics->jacobian(time, N_VGetArrayPointer(state), SUNDenseMatrix_Data(matrix)) ? 0 : 1;
+}
+
+// Closed contacts and sticking rows stay on gap = 0, gap rate = 0, slip = 0.
+int projectState(realtype time, N_Vector state, N_Vector correction, realtype /*epsilon*/, N_Vector /*error*/, void *data) {
+  auto *problem = static_cast<Problem *>(data);
+  N_VConst(0, correction);
+  if (problem->dynamics->rows().count() == 0)
+    return 0;
+  if (!problem->dynamics->evaluate(time, N_VGetArrayPointer(state), problem->rate.data()))
+    return 1;
+  const int n = problem->dynamics->size();
+  double *moved = problem->rate.data();
+  std::copy_n(N_VGetArrayPointer(state), n, moved);
+  problem->dynamics->project(moved, problem->scale);
+  for (int i = 0; i < n; ++i)
+    N_VGetArrayPointer(correction)[i] = moved[i] - N_VGetArrayPointer(state)[i];
+  return 0;
 }
 
 void ignoreMessage(int, const char *, const char *, char *, void *) {}
@@ -41,8 +65,10 @@ struct CvodeIntegrator::Solver {
   SUNLinearSolver linear = nullptr;
   void *memory = nullptr;
   bool created = false;
+  Problem problem;
 
-  explicit Solver(int n) {
+  Solver(ModeDynamics &dynamics, const double *scale) : problem{&dynamics, scale, std::vector<double>(dynamics.size())} {
+    const int n = dynamics.size();
     if (SUNContext_Create(nullptr, &context) != 0)
       throw std::bad_alloc();
     state = N_VNew_Serial(n, context);
@@ -68,7 +94,7 @@ struct CvodeIntegrator::Solver {
 };
 
 CvodeIntegrator::CvodeIntegrator(ModeDynamics &dynamics, IntegratorSettings settings)
-    : SmoothIntegrator(dynamics, std::move(settings)), solver_(std::make_unique<Solver>(n_)) {}
+    : SmoothIntegrator(dynamics, std::move(settings)), solver_(std::make_unique<Solver>(dynamics_, settings_.scale.data())) {}
 
 CvodeIntegrator::~CvodeIntegrator() = default;
 
@@ -84,9 +110,11 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
   if (!s.created) {
     CVodeInit(s.memory, evaluateRate, time, s.state);
     CVodeSVtolerances(s.memory, relative, s.tolerance);
-    CVodeSetUserData(s.memory, &dynamics_);
+    CVodeSetUserData(s.memory, &s.problem);
     CVodeSetLinearSolver(s.memory, s.linear, s.matrix);
     CVodeSetJacFn(s.memory, evaluateJacobian);
+    CVodeSetProjFn(s.memory, projectState);
+    CVodeSetProjErrEst(s.memory, SUNFALSE);
     CVodeSetErrHandlerFn(s.memory, ignoreMessage, nullptr);
     CVodeSetMaxNumSteps(s.memory, 1000000);
     s.created = true;

@@ -40,10 +40,16 @@ double hermiteMinimum(double a, double da, double b, double db, double h, double
 EventDetection::EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integrator)
     : dynamics_(dynamics), integrator_(&integrator), pool_(deepest + 1), state_(dynamics.size()), scratch_(dynamics.size()) {}
 
+// Magnitude below which a guard that starts at zero has not clearly left it: the integrator's error.
 double EventDetection::threshold(int guard) const {
   const Guard &g = dynamics_.guards()[guard];
-  return (g.kind == GuardKind::Force || g.kind == GuardKind::StepLow || g.kind == GuardKind::StepHigh ? 1e-9 : 1e-12) * g.scale;
+  const double tolerance = integrator_->settings().tolerance;
+  const bool isForce = g.kind == GuardKind::Force || g.kind == GuardKind::StepLow || g.kind == GuardKind::StepHigh;
+  return (isForce ? std::max(1e-9, tolerance) : std::clamp(0.1 * tolerance, 1e-12, 1e-9)) * g.scale;
 }
+
+// The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
+double EventDetection::level(int guard) const { return armed_[guard] ? 0 : std::min(start_[guard], 0.0) - threshold(guard); }
 
 bool EventDetection::sample(double time, const double *state, Sample &sample) {
   sample.time = time;
@@ -82,6 +88,7 @@ void EventDetection::restart(double time, const double *state) {
   resize(inside_);
   std::for_each(pool_.begin(), pool_.end(), resize);
   sample(time, state, begin_);
+  start_ = begin_.value;
   armed_.assign(count, 0);
   for (std::size_t k = 0; k < count; ++k)
     armed_[k] = begin_.value[k] > threshold(static_cast<int>(k));
@@ -91,13 +98,14 @@ void EventDetection::restart(double time, const double *state) {
 void EventDetection::bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first) {
   if (first.guard >= 0 && low >= first.time)
     return;
-  double a = low, fa = std::max(lowValue, 0.0), b = high, fb = highValue;
+  const double zero = level(guard);
+  double a = low, fa = std::max(lowValue - zero, 0.0), b = high, fb = highValue - zero;
   int side = 0;
   for (int k = 0; k < 40 && b - a > 1e-9 * (high - low); ++k) {
     double x = fa - fb > 0 ? (fa * b - fb * a) / (fa - fb) : 0.5 * (a + b);
     if (!(x > a && x < b))
       x = 0.5 * (a + b);
-    const double fx = guardInside(guard, x);
+    const double fx = guardInside(guard, x) - zero;
     if (std::isnan(fx))
       break;
     if (fx >= 0) {
@@ -134,7 +142,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
     const int guard = static_cast<int>(k);
     if (!armed_[k] && a.value[k] > threshold(guard))
       armed_[k] = 1;
-    if (b.value[k] < (armed_[k] ? 0 : -threshold(guard)))
+    if (b.value[k] < level(guard))
       bracket(guard, a.time, a.value[k], b.time, b.value[k], first);
     divide = divide || mayDip(guard, a, b);
   }
@@ -213,14 +221,14 @@ void EventDetection::advance() {
 
 bool EventDetection::locate(DetectedEvent &event) {
   const int guard = event.guard;
-  const double offset = armed_[guard] ? 0 : threshold(guard);
+  const double zero = level(guard);
   double low = integrator_->beginTime(), high = event.high;
   double x = std::min(event.time, high), previous = 0, previousValue = 0;
   bool hasPrevious = false;
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x) || !sample(x, integrator_->end(), end_))
       return false;
-    const double value = end_.value[guard] + offset;
+    const double value = end_.value[guard] - zero;
     (value >= 0 ? low : high) = x;
     event.time = x;
     const double resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(x), high - low);

@@ -43,11 +43,13 @@ private:
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
   void bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first);
   double threshold(int guard) const;
+  double level(int guard) const;
   double guardInside(int guard, double time);
 
   ModeDynamics &dynamics_;
   SmoothIntegrator *integrator_;
   std::vector<std::uint8_t> armed_;  // the guard has been clearly positive in this mode
+  std::vector<double> start_;        // values where the mode began
   bool needsForces_ = false;
   Sample begin_, middle_, end_, inside_;
   std::vector<Sample> pool_;  // one middle for each depth of the search

@@ -1,0 +1,124 @@
+#include "runtime/simulate/simulation.h"
+
+#include "tests/unit/runtime/hand_written_models.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace tf::runtime {
+namespace {
+
+struct LoggedEvent {
+  double time;
+  int kind;
+  int element;
+};
+
+// A model with settings, run to points in time.
+class Trajectory {
+public:
+  Trajectory(const tf_model &model, const std::vector<std::pair<std::string, double>> &settings, tf_integrator integrator,
+             double tolerance = 1e-9)
+      : instance_(model), inputs_(model.nu), simulation_(instance_, inputs_) {
+    for (const auto &[name, value] : settings)
+      EXPECT_TRUE(instance_.set(name, value).ok()) << name;
+    simulation_.options.tolerance = tolerance;
+    simulation_.options.integrator = integrator;
+    simulation_.onEvent = [this](const tf_event &event) { events.push_back({event.time, event.kind, event.element}); };
+  }
+
+  void to(double time) {
+    if (!started_) {
+      ASSERT_EQ(simulation_.initialise(0), TF_OK) << simulation_.errorText();
+      started_ = true;
+    }
+    ASSERT_EQ(simulation_.advanceTo(time), TF_OK) << simulation_.errorText();
+  }
+
+  double operator()(const std::string &name) {
+    std::vector<double> all(instance_.model().variable_count);
+    simulation_.values(all.data());
+    const auto reference = instance_.find(name);
+    EXPECT_TRUE(reference.has_value()) << name;
+    return reference->sign * all[reference->variable];
+  }
+
+  [[nodiscard]] double eventTime(int kind) const {
+    for (const LoggedEvent &event : events)
+      if (event.kind == kind)
+        return event.time;
+    return -1;
+  }
+
+  Simulation &simulation() { return simulation_; }
+  std::vector<LoggedEvent> events;
+
+private:
+  ModelInstance instance_;
+  InputSignals inputs_;
+  Simulation simulation_;
+  bool started_ = false;
+};
+
+class EveryIntegrator : public testing::TestWithParam<tf_integrator> {};
+
+INSTANTIATE_TEST_SUITE_P(Integrators, EveryIntegrator, testing::Values(TF_STEP, TF_EXPLICIT, TF_CVODE, TF_AUTO));
+
+TEST_P(EveryIntegrator, FallsAndRests) {
+  Trajectory run(test::particleModel(), {}, GetParam());
+  run.to(0.4);
+  EXPECT_NEAR(run("q[2]"), 1 - 0.5 * 9.81 * 0.16, 1e-9);
+  run.to(1);
+  EXPECT_NEAR(run("q[2]"), 0, 1e-10);
+  EXPECT_NEAR(run("der(q[2])"), 0, 1e-10);
+  EXPECT_NEAR(run("floor.normalForce"), 9.81, 1e-9);
+  EXPECT_NEAR(run("tau"), 2, 1e-8);
+  EXPECT_NEAR(run.eventTime(TF_EVENT_IMPACT), std::sqrt(2 / 9.81), 1e-8);
+}
+
+TEST_P(EveryIntegrator, SlipsThenSticks) {
+  Trajectory run(test::particleModel(), {{"mu", 0.3}, {"g", 10}, {"u[1]", 2}, {"der(q[1])", 1}}, GetParam());
+  run.to(2);
+  EXPECT_NEAR(run("q[1]"), 0.8, 1e-7);
+  EXPECT_NEAR(run("der(q[1])"), 0, 1e-9);
+  EXPECT_NEAR(run("floor.frictionForce"), -2, 1e-9);
+  EXPECT_NEAR(run.eventTime(TF_EVENT_STICK), 1, 1e-8);
+}
+
+TEST_P(EveryIntegrator, BeltSticksThenSlips) {
+  Trajectory run(test::beltModel(), {}, GetParam());
+  run.to(2);
+  EXPECT_NEAR(run.eventTime(TF_EVENT_SLIP), 5.0 / 6, 1e-8);
+  EXPECT_NEAR(run("x"), 0.35846288226074874, 1e-7);
+  EXPECT_NEAR(run("der(x)"), -0.2072274419249628, 1e-7);
+}
+
+TEST_P(EveryIntegrator, RelaySlides) {
+  Trajectory run(test::relayModel(), {}, GetParam());
+  run.to(3);
+  EXPECT_NEAR(run.eventTime(TF_EVENT_SLIDING), 0.887862211570866, 1e-8);
+  EXPECT_NEAR(run("x"), 0, 1e-9);
+}
+
+TEST_P(EveryIntegrator, RodReversesFrictionInsideTheImpact) {
+  Trajectory run(test::rodModel(), {}, GetParam());
+  run.to(1.5);
+  EXPECT_NEAR(run("x"), 0.99319628269525095, 1e-7);
+  EXPECT_NEAR(run("der(x)"), 0, 1e-9);
+  EXPECT_NEAR(run.eventTime(TF_EVENT_IMPACT), 0.31927542840705037, 1e-8);
+}
+
+TEST_P(EveryIntegrator, BoxComesToRest) {
+  Trajectory run(test::boxModel(), {}, GetParam());
+  run.to(2);
+  EXPECT_NEAR(run("x"), 2.3935779816513785, 1e-7);
+  EXPECT_NEAR(run("y"), 0.5, 1e-9);
+  EXPECT_NEAR(run("th"), 1.5707963267948966, 1e-9);
+}
+
+}  // namespace
+}  // namespace tf::runtime
