@@ -1,8 +1,8 @@
 #include "compiler/driver/compile.h"
-#include "compiler/driver/c_header.h"
+#include "compiler/codegen/c_header.h"
 #include "compiler/driver/code_generator.h"
-#include "compiler/driver/content_hash.h"
 #include "compiler/driver/diagnostics.h"
+#include "compiler/driver/model_cache.h"
 #include "compiler/driver/source_model.h"
 #include "compiler/filippov/filippov_system.h"
 #include "lang/syntax/parser.h"
@@ -47,11 +47,8 @@ std::string code(HybridSystem &system, const CompileOptions &options, EmitKind k
   CodeGenerator *generator = codeGenerator(session);
   if (generator == nullptr)
     return {};
-  ContentHash hash;
-  for (FileId file = 0; file < session.sources.count(); ++file)
-    hash.add(session.sources.file(file).text());
   try {
-    return generator->emit(system, session.sources, kind, {.optimization = options.optimization, .hash = hash.hex()});
+    return generator->emit(system, session.sources, kind, {.optimization = options.optimization, .hash = sourceDigest(session.sources)});
   } catch (const std::exception &error) {
     session.diagnostics.report(diag::CannotGenerate, {}, error.what());
     return {};
@@ -64,7 +61,7 @@ std::string form(HybridSystem &system, const CompileOptions &options, Session &s
   if (options.emit == Emit::Cls)
     return print(system);
   if (options.emit == Emit::Header)
-    return cHeader(system);
+    return emitHeader(system);
   const filippov::FilippovSystem frozen = filippov::timeFreezing(system);
   if (options.emit == Emit::Pss)
     return printPiecewise(frozen, system);

@@ -1,16 +1,13 @@
-// Compiled models by content: a second run of the same source loads the shared library of the first one, without parser and code generator.
+// Compiled models by request: a second run of the same source loads the shared library of the first one, without parser and code generator.
 //
-// Two kinds of files in the folder ($TFC_CACHE, else $XDG_CACHE_HOME/tfc, else ~/.cache/tfc):
-//   KEY.index   what a request (files, --model, -L) depended on when it was compiled: every file that was read with the hash of its text,
-//   the
-//               folders in which classes were sought with the hash of their names, and the names of the structural parameters;
-//   HASH.so     the model; HASH is over the texts, the structural values set, this build of tfc and this machine's processor.
-// Files are written beside their place and renamed, so that several processes can share the folder.
+// Two kinds of entries in the cache of compiled code. A request (files, --model, -L) names an index: every file that was read with the
+// digest of its text, the folders in which classes were sought with the digest of their names, and the names of the structural parameters.
+// These, the structural values set, this build of tfc and this machine's processor name the model.
 #pragma once
 
+#include "compiler/codegen/cache.h"
 #include "lang/base/source.h"
 
-#include <filesystem>
 #include <map>
 #include <optional>
 #include <string>
@@ -27,33 +24,34 @@ struct CacheRequest {
   std::map<std::string, double> overrides;  // of parameters; those that are structural count
 };
 
+// The digest of all texts that were read: what a compiled model says that it was made from.
+[[nodiscard]] std::string sourceDigest(const SourceManager &sources);
+
 class ModelCache {
 public:
-  // Without a folder (no home, not writable) nothing is found or stored.
-  ModelCache();
+  // Disabled: nothing is found or stored.
+  explicit ModelCache(bool isEnabled);
 
   // The library of an earlier compilation whose inputs are all unchanged.
-  [[nodiscard]] std::optional<std::filesystem::path> find(const CacheRequest &request) const;
+  [[nodiscard]] std::optional<std::string> find(const CacheRequest &request) const;
 
-  // Stores a model that was made from the texts in `sources`; its place, nothing if it cannot be written.
-  std::optional<std::filesystem::path> store(const CacheRequest &request, const SourceManager &sources,
-                                             const std::vector<std::string> &structuralNames, std::string_view library);
+  // Stores a model that was made from the texts in `sources`; its file, nothing if it cannot be written.
+  std::optional<std::string> store(const CacheRequest &request, const SourceManager &sources,
+                                   const std::vector<std::string> &structuralNames, std::string_view library) const;
 
 private:
-  // What KEY.index holds.
   struct Index {
-    std::map<std::string, std::string> files, folders;  // path to hash
-    std::vector<std::string> structuralNames;
+    std::map<std::string, std::string> files, folders;  // absolute path to digest
+    std::vector<std::string> structuralNames;           // sorted
   };
 
-  [[nodiscard]] std::filesystem::path indexPath(const CacheRequest &request) const;
-  [[nodiscard]] std::filesystem::path libraryPath(const CacheRequest &request, const Index &index) const;
-  static std::optional<Index> read(const std::filesystem::path &path);
-  [[nodiscard]] bool write(const std::filesystem::path &path, std::string_view bytes) const;
-  void removeOldest() const;
+  [[nodiscard]] CacheKey requestKey(const CacheRequest &request) const;
+  [[nodiscard]] std::string modelKey(const CacheRequest &request, const Index &index) const;
+  [[nodiscard]] std::optional<Index> findIndex(const CacheRequest &request) const;
+  static std::string print(const Index &index);
 
-  std::filesystem::path folder_;  // empty: no cache
-  std::string build_;             // hash of this program, its code generator and the processor
+  CodeCache cache_;
+  std::string build_;  // this program, its code generator and the processor
 };
 
 }  // namespace tf::driver

@@ -1,6 +1,5 @@
 #include "compiler/driver/prepared_model.h"
 #include "compiler/driver/code_generator.h"
-#include "compiler/driver/content_hash.h"
 #include "compiler/driver/diagnostics.h"
 #include "compiler/driver/model_cache.h"
 
@@ -56,15 +55,12 @@ bool generate(HybridSystem &system, const CacheRequest &request, const std::vect
   CodeGenerator *generator = codeGenerator(session);
   if (generator == nullptr)
     return false;
-  ContentHash hash;
-  for (FileId file = 0; file < session.sources.count(); ++file)
-    hash.add(session.sources.file(file).text());
-  const CodegenOptions codegen{.optimization = 2, .hash = hash.hex()};
+  const CodegenOptions codegen{.optimization = 2, .hash = sourceDigest(session.sources)};
   try {
     if (cache != nullptr) {
       const std::string library = generator->emit(system, session.sources, EmitKind::SharedLibrary, codegen);
       if (const auto path = cache->store(request, session.sources, structural, library)) {
-        prepared.simulation = load(path->string(), session);
+        prepared.simulation = load(*path, session);
         return prepared.simulation != nullptr;
       }
     }
@@ -92,14 +88,11 @@ std::optional<PreparedModel> prepareModel(const RunOptions &options, const std::
   PreparedModel prepared;
   prepared.isSource = true;
   const CacheRequest request{options.files, options.model, libraryFolders(options), structuralOverrides(settings)};
-  std::optional<ModelCache> cache;
-  if (!options.noCache) {
-    cache.emplace();
-    if (const auto library = cache->find(request)) {
-      prepared.simulation = load(library->string(), session);
-      prepared.origin = "cached";
-      return prepared.simulation ? std::optional(std::move(prepared)) : std::nullopt;
-    }
+  const ModelCache cache(!options.noCache);
+  if (const auto library = cache.find(request)) {
+    prepared.simulation = load(*library, session);
+    prepared.origin = "cached";
+    return prepared.simulation ? std::optional(std::move(prepared)) : std::nullopt;
   }
   const Instantiation instantiation = instantiateModel(options, settings, session);
   if (!instantiation.model || session.diagnostics.hasErrors())
@@ -108,7 +101,7 @@ std::optional<PreparedModel> prepareModel(const RunOptions &options, const std::
   if (!system || session.diagnostics.hasErrors())
     return std::nullopt;
   prepared.origin = "compiled";
-  if (!generate(*system, request, structuralNames(*instantiation.model), cache ? &*cache : nullptr, prepared, session))
+  if (!generate(*system, request, structuralNames(*instantiation.model), options.noCache ? nullptr : &cache, prepared, session))
     return std::nullopt;
   return prepared;
 }

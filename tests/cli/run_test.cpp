@@ -1,0 +1,172 @@
+// What `tfc run` does with files, rows, inputs and failures.
+#include "tests/support/process.h"
+#include "tests/support/result_table.h"
+
+#include <nlohmann/json.hpp>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+namespace tf::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+const std::string kParticle = TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf";
+
+class RunCommand : public testing::Test {
+protected:
+  ProcessResult run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {"run", kParticle});
+    return runTfc(arguments, folder.path());
+  }
+  ResultTable table(const std::string &name = "out.csv") { return ResultTable(folder.path() / name); }
+
+  TemporaryFolder folder;
+};
+
+TEST_F(RunCommand, HasRowsOnTheGridUpToTheStopTime) {
+  ASSERT_EQ(run({"--stop-time", "0.35", "--interval", "0.1", "-o", "out.csv"}).exitCode, 0);
+  const ResultTable rows = table();
+  ASSERT_EQ(rows.rowCount(), 5U);
+  for (std::size_t k = 0; k < 4; ++k)
+    EXPECT_NEAR(rows.value(k, "time"), 0.1 * static_cast<double>(k), 1e-15);
+  EXPECT_EQ(rows.value(4, "time"), 0.35);
+  EXPECT_EQ(rows.names()[0], "time");
+  EXPECT_EQ(rows.names()[1], "tau");
+}
+
+TEST_F(RunCommand, HasFiveHundredIntervalsByDefault) {
+  ASSERT_EQ(run({"--stop-time", "0.4", "-o", "out.csv"}).exitCode, 0);
+  EXPECT_EQ(table().rowCount(), 501U);
+}
+
+TEST_F(RunCommand, HasRowsBeforeAndAfterAnImpact) {
+  ASSERT_EQ(run({"--stop-time", "1", "--interval", "0.5", "-o", "out.csv"}).exitCode, 0);
+  const ResultTable rows = table();
+  const double impact = std::sqrt(2 / 9.81), speed = std::sqrt(2 * 9.81);
+  std::vector<double> velocities;
+  for (std::size_t k = 0; k < rows.rowCount(); ++k) {
+    if (std::abs(rows.value(k, "time") - impact) < 1e-8)
+      velocities.push_back(rows.value(k, "der(q[2])"));
+  }
+  ASSERT_GE(velocities.size(), 2U);
+  EXPECT_NEAR(velocities.front(), -speed, 1e-7);
+  EXPECT_NEAR(velocities.back(), 0, 1e-7);
+}
+
+TEST_F(RunCommand, HasOneRowAfterAnImpactIfAsked) {
+  ASSERT_EQ(run({"--stop-time", "1", "--interval", "0.5", "--events", "after", "-o", "out.csv"}).exitCode, 0);
+  const ResultTable rows = table();
+  int count = 0;
+  for (std::size_t k = 0; k < rows.rowCount(); ++k) {
+    if (std::abs(rows.value(k, "time") - std::sqrt(2 / 9.81)) < 1e-8) {
+      ++count;
+      EXPECT_NEAR(rows.value(k, "der(q[2])"), 0, 1e-7);
+    }
+  }
+  EXPECT_EQ(count, 1);
+}
+
+TEST_F(RunCommand, WritesTheSameToCsvAndJson) {
+  ASSERT_EQ(run({"--stop-time", "1", "--interval", "0.25", "-o", "out.csv"}).exitCode, 0);
+  ASSERT_EQ(run({"--stop-time", "1", "--interval", "0.25", "-o", "out.json"}).exitCode, 0);
+  const ResultTable rows = table();
+  const std::string text = readFile(folder.path() / "out.json");
+  const nlohmann::json json = nlohmann::json::parse(text);
+  EXPECT_THAT(text, HasSubstr("der(q[2])"));
+  EXPECT_TRUE(json.is_object());
+  EXPECT_NE(text.find(rows.text(rows.rowCount() - 1, "tau")), std::string::npos);
+}
+
+TEST_F(RunCommand, PrintsFinalValuesWithoutAResultFile) {
+  const ProcessResult result = run({"--stop-time", "1", "--quiet"});
+  EXPECT_EQ(result.exitCode, 0);
+  EXPECT_THAT(result.out, HasSubstr("time = 1\n"));
+  EXPECT_THAT(result.out, HasSubstr("q[2] = 0\n"));
+  EXPECT_EQ(result.err, "");
+}
+
+TEST_F(RunCommand, SummarisesOnTheStandardError) {
+  const ProcessResult result = run({"--stop-time", "1", "-o", "out.csv"});
+  EXPECT_EQ(result.out, "");
+  EXPECT_THAT(result.err, HasSubstr("steps"));
+  EXPECT_THAT(result.err, HasSubstr("1 impact"));
+  EXPECT_THAT(result.err, HasSubstr("compile"));
+  EXPECT_THAT(result.err, HasSubstr("initialise"));
+  EXPECT_THAT(result.err, HasSubstr("simulate"));
+  EXPECT_THAT(result.err, Not(HasSubstr("Jacobians")));
+}
+
+TEST_F(RunCommand, TellsMoreIfVerbose) {
+  const ProcessResult result = run({"--stop-time", "1", "--verbose", "-o", "out.csv"});
+  EXPECT_THAT(result.err, HasSubstr("impact of floor"));
+  EXPECT_THAT(result.err, HasSubstr("Jacobians"));
+}
+
+// The horizontal position under a force u[1] on m = 1, without friction.
+double finalPosition(const ProcessResult &result) {
+  const std::size_t place = result.out.find("q[1] = ");
+  return place == std::string::npos ? NAN : std::stod(result.out.substr(place + 7));
+}
+
+TEST_F(RunCommand, TakesInputsFromExpressionsWithBreakpoints) {
+  // x'' = 1 for t < 0.3, else 0: x(1) = 0.045 + 0.3·0.7
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=if time < 0.3 then 1 else 0"})), 0.255, 1e-9);
+  // A square wave of period 0.2 that is 1 in its first half, ten impulses: x(1) = Σ_k 0.1 (1 − 0.2 k − 0.05)
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=if mod(time, 0.2) < 0.1 then 1 else 0"})), 0.275, 1e-9);
+  // max(0, t − 1/2): x(1) = 0.5³/6
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=max(0, time-0.5)"})), 0.125 / 6, 1e-9);
+  // Zeros that are no closed forms: sin(2π t) > 0.5 between 1/12 and 5/12, so x(1) = (1/3)²/2 + (1/3)(7/12)
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=if sin(6.283185307179586*time) > 0.5 then 1 else 0"})),
+              1.0 / 18 + 7.0 / 36, 1e-9);
+  // Parameters as they are set: g = 2, x'' = 2 g = 4
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "0.5", "--quiet", "--set", "u[1]=2*g", "--set", "g=2"})), 0.5, 1e-9);
+}
+
+TEST_F(RunCommand, SetsParametersByExpressionsOfParameters) {
+  // m = 2 g = 8 and force 8: x'' = 1
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "0.5", "--quiet", "--set", "m=2*g", "--set", "g=4", "--set", "u[1]=8"})), 0.125, 1e-9);
+}
+
+TEST_F(RunCommand, ReportsAFullDiskAndAnUnwritablePlace) {
+  const ProcessResult missing = run({"-o", "no/such/folder/out.csv"});
+  EXPECT_EQ(missing.exitCode, 2);
+  EXPECT_THAT(missing.err, HasSubstr("TF0821"));
+  EXPECT_THAT(missing.err, HasSubstr("no/such/folder/out.csv"));
+  std::filesystem::create_symlink("/dev/full", folder.path() / "full.csv");
+  const ProcessResult full = run({"-o", "full.csv"});
+  EXPECT_NE(full.exitCode, 0);
+  EXPECT_THAT(full.err, HasSubstr("No space left"));
+}
+
+TEST_F(RunCommand, KeepsRowsFromBeforeAFailure) {
+  writeFile(folder.path() / "blowup.tf", "model Blowup\n  Real x(start = 1, fixed = true);\nequation\n  der(x) = x^2;\nend Blowup;\n");
+  const ProcessResult result = runTfc({"run", "blowup.tf", "--stop-time", "2", "--interval", "0.25", "-o", "out.csv"}, folder.path());
+  EXPECT_EQ(result.exitCode, 3) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("TF0902"));
+  const ResultTable rows = table();
+  ASSERT_GE(rows.rowCount(), 4U);
+  EXPECT_NEAR(rows.value(rows.rowAt(0.75), "x"), 4, 1e-4);  // x = 1/(1 − t)
+}
+
+TEST_F(RunCommand, ReadsTablesWithHoldAndLinearInterpolation) {
+  writeFile(folder.path() / "u.csv", "time,\"u[1]\"\r\n0,0\r\n1,1\r\n");
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--input", "u.csv", "--input-interpolation", "linear"})), 1.0 / 6, 1e-9);
+  EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--input", "u.csv"})), 0, 1e-12);
+}
+
+TEST_F(RunCommand, StartsWhereAsked) {
+  ASSERT_EQ(run({"--start-time", "2", "--stop-time", "2.25", "--interval", "0.25", "-o", "out.csv"}).exitCode, 0);
+  const ResultTable rows = table();
+  EXPECT_EQ(rows.value(0, "time"), 2);
+  EXPECT_EQ(rows.value(rows.rowCount() - 1, "time"), 2.25);
+  EXPECT_NEAR(rows.value(rows.rowCount() - 1, "q[2]"), 1 - 9.81 * 0.25 * 0.25 / 2, 1e-9);
+}
+
+}  // namespace
+}  // namespace tf::test
