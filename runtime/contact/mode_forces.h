@@ -50,7 +50,8 @@ public:
   MarginOutcome cross(int margin);
 
   // Directional derivative of the forces at the last evaluation: accelerationRate = derivative of D λ + φ with λ fixed (n + m),
-  // limitRate = derivative of the limits with λ fixed (m). Out: forceRate (n + m). In a redundant mode the least-norm one.
+  // limitRate = derivative of the limits with λ fixed (m). Out: forceRate (n + m). In a redundant mode the least-norm rate: right for the
+  // accelerations; how a change of D or μ moves the shares of redundant contacts is not in it.
   void forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate, std::span<double> forceRate) const;
 
 private:

@@ -1,0 +1,194 @@
+#include "runtime/contact/mode_forces.h"
+
+#include "runtime/contact/contact_solver.h"
+#include "tests/unit/runtime/contact/mechanisms.h"
+#include "tests/unit/runtime/contact/random_contacts.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace tf::runtime {
+namespace {
+
+using test::accelerationProblem;
+using test::body;
+using test::RandomContacts;
+
+constexpr double gravity = 9.81;
+
+ContactMode modeOf(std::vector<std::uint8_t> closed, std::vector<std::int8_t> slip) { return {std::move(closed), std::move(slip)}; }
+
+// λ_n = −φ_n / D_s.
+TEST(ModeForces, SlidingContactHasTheFormula) {
+  ContactProblem problem;
+  problem.resize(1, 1);
+  problem.delassus.map() << 3, 0.5, 0.5, 2;
+  problem.bias = {-4, 1};
+  problem.owner[0] = 0;
+  problem.friction[0] = 0.4;
+  problem.slipSign[0] = 1;
+  ModeForces forces;
+  ASSERT_TRUE(forces.start(problem, modeOf({1}, {1})));
+  const double normal = 4 / (3 - 0.4 * 0.5);
+  EXPECT_DOUBLE_EQ(forces.forces()[0], normal);
+  EXPECT_DOUBLE_EQ(forces.forces()[1], -0.4 * normal);
+  EXPECT_EQ(forces.accelerations()[0], 0.0);
+  EXPECT_NEAR(forces.accelerations()[1], 1 + 0.5 * normal - 2 * 0.4 * normal, 1e-15);
+  ASSERT_EQ(forces.margins().size(), 1u);
+  EXPECT_DOUBLE_EQ(forces.marginValues()[0], normal);
+  problem.bias[0] = 1;  // would have to pull
+  ASSERT_TRUE(forces.evaluate(problem));
+  EXPECT_LT(forces.marginValues()[0], 0);
+  EXPECT_EQ(forces.cross(0), MarginOutcome::ModeEnds);
+}
+
+TEST(ModeForces, StickHasTwoMargins) {
+  ContactProblem problem;
+  problem.resize(1, 2);
+  problem.delassus.map() << 1, 0, 0, 0, 1, 0, 0, 0, 1;
+  problem.bias = {-10, 3, -1};
+  problem.owner = {0, -1};
+  problem.friction = {0.5, 0};
+  problem.bound = {0, 2};
+  ModeForces forces;
+  ASSERT_TRUE(forces.start(problem, modeOf({1}, {0, 0})));
+  ASSERT_EQ(forces.margins().size(), 5u);
+  EXPECT_EQ(forces.margins()[1].limit, (ForceLimit{1, 1}));
+  EXPECT_DOUBLE_EQ(forces.marginValues()[1], 5 + 3);
+  EXPECT_DOUBLE_EQ(forces.marginValues()[2], 5 - 3);
+  EXPECT_DOUBLE_EQ(forces.marginValues()[3], 2 - 1);
+  EXPECT_DOUBLE_EQ(forces.marginValues()[4], 2 + 1);
+}
+
+TEST(ModeForces, AgreesWithTheSolverInItsMode) {
+  RandomContacts contacts(31);
+  ContactSolver solver;
+  ModeForces forces;
+  for (int run = 0; run < 500; ++run) {
+    const ContactProblem problem = contacts.problem(contacts.integer(1, 6), contacts.integer(0, 2), contacts.integer(2, 16), 0.6, 0.5);
+    const ContactSolution &found = solver.solve(problem);
+    if (found.status != ContactStatus::Solved)
+      continue;
+    ASSERT_TRUE(forces.start(problem, found.mode)) << "run " << run;
+    ASSERT_EQ(forces.redundant(), found.redundant) << "run " << run;
+    for (int r = 0; r < problem.count(); ++r)
+      ASSERT_NEAR(forces.forces()[r], found.forces[r], 1e-7 * (1 + std::abs(found.forces[r]))) << "run " << run;
+    const std::vector<double> first(forces.forces().begin(), forces.forces().end());
+    ASSERT_TRUE(forces.evaluate(problem));
+    for (int r = 0; r < problem.count(); ++r)
+      ASSERT_NEAR(forces.forces()[r], first[r], 1e-9 * (1 + std::abs(first[r]))) << "run " << run;
+  }
+}
+
+// Derivatives along a line D + hE, φ + hψ against central differences; in redundant modes too.
+TEST(ModeForces, RatesAreTheDerivative) {
+  RandomContacts contacts(32);
+  ContactSolver solver;
+  ModeForces forces;
+  int redundant = 0, compared = 0;
+  for (int run = 0; run < 300; ++run) {
+    const int n = contacts.integer(1, 4), nv = contacts.integer(2, 10);
+    const ContactProblem problem = contacts.problem(n, 0, nv, 0.5, run % 2 ? 1.0 : 0.0);
+    const ContactSolution found = solver.solve(problem);
+    if (found.status != ContactStatus::Solved || !found.degenerate.empty())
+      continue;
+    const int count = problem.count();
+    // D stays; φ moves within its range, and μ where that does not change the shares of redundant contacts.
+    const double muRate = found.redundant ? 0.0 : 0.1;
+    const Eigen::VectorXd psi = problem.delassus.map() * contacts.matrix(count, 1);
+    const auto at = [&](double h) {
+      ContactProblem moved = problem;
+      for (int r = 0; r < count; ++r)
+        moved.bias[r] += h * psi(r);
+      for (double &mu : moved.friction)
+        mu += muRate * h;
+      return moved;
+    };
+    const double h = 1e-5;
+    const ContactProblem plus = at(h), minus = at(-h);
+    ASSERT_TRUE(forces.start(problem, found.mode));
+    if (!forces.evaluate(plus))
+      continue;
+    const std::vector<double> after(forces.forces().begin(), forces.forces().end());
+    ASSERT_TRUE(forces.evaluate(minus));
+    const std::vector<double> before(forces.forces().begin(), forces.forces().end());
+    ASSERT_TRUE(forces.evaluate(problem));
+    std::vector<double> limitRate(n), rate(count), accelerationRate(psi.begin(), psi.end());
+    for (int j = 0; j < n; ++j)
+      limitRate[j] = muRate * forces.forces()[j];
+    forces.forceRates(accelerationRate, limitRate, rate);
+    redundant += forces.redundant() ? 1 : 0;
+    ++compared;
+    for (int r = 0; r < count; ++r)
+      ASSERT_NEAR(rate[r], (after[r] - before[r]) / (2 * h), 2e-4 * (1 + std::abs(rate[r]))) << "run " << run << " row " << r;
+  }
+  EXPECT_GT(redundant, 10);
+  EXPECT_GT(compared, 100);
+}
+
+// A box on two sticking corners is pulled harder and harder: first the least-norm force touches a cone and is chosen again, then the set
+// of forces is empty and the mode ends: where the pull is μ m g.
+TEST(ModeForces, RedundantModeEndsWhenItsSetIsEmpty) {
+  const auto box = body(1, 0.1, 0, {{-0.5, -0.3}, {0.5, -0.3}}, 0.5);
+  const auto at = [&](double pull) {
+    // Pulled high up: the left corner is unloaded.
+    const Eigen::Vector3d force(pull, -gravity, 0.1 * pull);
+    const Eigen::VectorXd free = box.jacobian() * box.mass.ldlt().solve(force);
+    return accelerationProblem(box, free, {0, 0});
+  };
+  ModeForces forces;
+  ContactProblem problem = at(0);
+  ASSERT_TRUE(forces.start(problem, modeOf({1, 1}, {0, 0})));
+  ASSERT_TRUE(forces.redundant());
+  int rechosen = 0;
+  double pull = 0, end = -1;
+  while (end < 0 && pull < 10) {
+    double step = 0.5;
+    problem = at(pull + step);
+    ASSERT_TRUE(forces.evaluate(problem));
+    int crossed = -1;
+    for (std::size_t k = 0; k < forces.margins().size(); ++k)
+      if (forces.marginValues()[k] < 0)
+        crossed = static_cast<int>(k);
+    if (crossed < 0) {
+      pull += step;
+      continue;
+    }
+    // Bisection for the first margin that vanishes.
+    double low = pull, high = pull + step;
+    for (int iteration = 0; iteration < 60; ++iteration) {
+      const double middle = 0.5 * (low + high);
+      problem = at(middle);
+      ASSERT_TRUE(forces.evaluate(problem));
+      bool negative = false;
+      for (std::size_t k = 0; k < forces.margins().size(); ++k)
+        if (forces.marginValues()[k] < 0) {
+          negative = true;
+          crossed = static_cast<int>(k);
+        }
+      (negative ? high : low) = middle;
+    }
+    pull = high;
+    problem = at(pull);
+    ASSERT_TRUE(forces.evaluate(problem));
+    if (forces.cross(crossed) == MarginOutcome::ModeEnds)
+      end = pull;
+    else
+      ++rechosen;
+  }
+  EXPECT_EQ(rechosen, 1);
+  EXPECT_NEAR(end, 0.5 * gravity, 1e-12);
+}
+
+TEST(ModeForces, ContradictoryRedundantRowsAreRefused) {
+  ContactProblem problem;  // two contacts on one freedom that want different accelerations
+  problem.resize(2, 0);
+  problem.delassus.map() << 1, 1, 1, 1;
+  problem.bias = {-1, -2};
+  ModeForces forces;
+  EXPECT_FALSE(forces.start(problem, modeOf({1, 1}, {})));
+}
+
+}  // namespace
+}  // namespace tf::runtime
