@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <unordered_map>
 #include <utility>
 
 namespace tf::codegen {
@@ -29,6 +30,7 @@ public:
 
   CodePlan run() {
     findHomes();
+    findPartners();
     order();
     int steps = 0;
     for (const Unit &region : regions_)
@@ -85,10 +87,31 @@ private:
       } else if (next < node.arity) {
         path.emplace_back(node.operands[next++], 0);
       } else {
-        if (done_[position(id)] == 0)
-          regions_[static_cast<std::size_t>(homes_[position(id)] + 1)].steps.push_back({id, nullptr});
-        done_[position(id)] = 1;
+        evaluateHere(id);
+        if (const auto partner = partners_.find(id); partner != partners_.end() && homes_[position(partner->second)] == homes_[position(id)])
+          evaluateHere(partner->second);
         path.pop_back();
+      }
+    }
+  }
+
+  void evaluateHere(NodeId id) {
+    if (done_[position(id)] == 0)
+      regions_[static_cast<std::size_t>(homes_[position(id)] + 1)].steps.push_back({id, nullptr});
+    done_[position(id)] = 1;
+  }
+
+  // Sine and cosine of the same argument are evaluated side by side, where the back end makes one call of the two.
+  void findPartners() {
+    std::unordered_map<NodeId, NodeId> firstOf;  // by argument
+    for (const NodeId id : reached_.nodes()) {
+      const ir::Node &node = graph_[id];
+      if (node.op != ir::Op::Sin && node.op != ir::Op::Cos)
+        continue;
+      const auto [first, isNew] = firstOf.emplace(node.operands[0], id);
+      if (!isNew) {
+        partners_[id] = first->second;
+        partners_[first->second] = id;
       }
     }
   }
@@ -149,6 +172,7 @@ private:
   std::vector<int> homes_;
   std::vector<char> done_;
   std::vector<Unit> regions_;
+  std::unordered_map<NodeId, NodeId> partners_;
   CodePlan plan_;
 };
 
