@@ -29,8 +29,8 @@ public:
 // The whole text must be one expression.
 [[nodiscard]] Tree parseExpression(const SourceManager &sources, FileId file, Diagnostics &diagnostics);
 
-// The tree as canonical source (`--emit ast`): one clause, equation or statement per line, an operation inside another in parentheses,
-// without `//` and `/* */`. Reading the text again gives the same text; what could not be read is written `<error>`.
+// The tree as canonical source (`--emit ast`): one clause, equation or statement per line, an operation inside another in parentheses
+// (but `a - b + c`), without `//` and `/* */`. Reading the text again gives the same text; what could not be read is written `<error>`.
 [[nodiscard]] std::string print(const File &file);
 [[nodiscard]] std::string print(const Expr &expression);
 

@@ -114,6 +114,9 @@ void Parser::expectSemicolon() {
     unexpected("';'");
     return;
   }
+  // At the end of the file inside a class more is missing than a ';'.
+  if (at(TokenKind::EndOfFile) && !openClasses_.empty())
+    return;
   const Token &last = previous();
   complain(MissingSemicolon, Span{file_, last.end, last.end}, describe(last));
 }
@@ -219,7 +222,7 @@ bool Parser::atClassWordAsName() const {
               TokenKind::Type}))
     return false;
   const TokenKind next = peek(1).kind;
-  return next != TokenKind::Identifier && next != TokenKind::Extends && next != TokenKind::EndOfFile;
+  return next != TokenKind::Identifier && next != TokenKind::Extends;
 }
 
 ast::Name Parser::parseName(std::string_view what) {

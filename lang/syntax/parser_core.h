@@ -212,7 +212,7 @@ private:
   bool foundEquation_ = false;     // recovery was entered at an equation among the declarations
   bool equationReported_ = false;  // one such report is enough for a class
   bool endMissing_ = false;        // the last class has no end, so no ';' either
-  bool endReported_ = false;       // that the file ends inside a class: its enclosing classes have no end either
+  bool endReported_ = false;       // that the file ends inside a class or block: what is around it has no end either
   Diagnostic silent_;
 
   int nesting_ = 0;

@@ -202,8 +202,9 @@ void Parser::expectEndOf(TokenKind block, const Token &opening, const Token *els
     advance();
     return;
   }
+  endReported_ = endReported_ || end.kind == TokenKind::EndOfFile;
   Diagnostic &missing = fail(MissingEnd, span(opening), word, wanted);
-  missing.note(span(end), fmt::format("it would stand before this {}", describe(end)));
+  missing.note(span(end), fmt::format("it would stand before {}", describe(end)));
   if (elseIf != nullptr)
     missing.note(span(*elseIf), "'else if' begins a second 'if' here; 'elseif' would continue the first");
 }

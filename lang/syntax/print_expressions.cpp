@@ -1,6 +1,9 @@
 // Expressions and modifications as text.
 #include "lang/syntax/printer.h"
 
+#include <algorithm>
+#include <initializer_list>
+
 namespace tf::ast {
 
 namespace {
@@ -54,6 +57,16 @@ std::string_view operatorText(Operator op) {
 }
 
 }  // namespace
+
+// A chain of operators that bind alike, `a - b + c`, needs no parentheses.
+bool Printer::isChain(const Expr &left, Operator op) {
+  const auto isIn = [&](std::initializer_list<Operator> level) {
+    return std::find(level.begin(), level.end(), op) != level.end() && std::find(level.begin(), level.end(), left.op) != level.end();
+  };
+  return left.kind == ExprKind::Binary &&
+         (isIn({Operator::Plus, Operator::Minus, Operator::DotPlus, Operator::DotMinus}) || isIn({Operator::And}) || isIn({Operator::Or}) ||
+          isIn({Operator::Times, Operator::Divide, Operator::DotTimes, Operator::DotDivide}));
+}
 
 void Printer::operand(const Expr *expression) {
   const bool isCompound = expression->kind == ExprKind::Unary || expression->kind == ExprKind::Binary ||
@@ -129,7 +142,10 @@ void Printer::ifExpression(const Expr &expression) {
 }
 
 void Printer::binary(const Expr &expression) {
-  operand(expression.operands[0]);
+  if (isChain(*expression.operands[0], expression.op))
+    this->expression(*expression.operands[0]);
+  else
+    operand(expression.operands[0]);
   write(" ");
   write(operatorText(expression.op));
   write(" ");

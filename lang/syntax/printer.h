@@ -1,5 +1,5 @@
-// Writing the syntax tree as canonical source: one clause, equation or statement per line, each operation in parentheses inside another.
-// Reading the text again gives the same text. What could not be read is written `<error>`.
+// Writing the syntax tree as canonical source: one clause, equation or statement per line, operations inside others in parentheses except
+// in chains of operators that bind alike. Reading the text again gives the same text. What could not be read is written `<error>`.
 #pragma once
 
 #include "lang/syntax/ast.h"
@@ -21,6 +21,7 @@ private:
   template <class T, class Item> void separated(const List<T> &items, Item &&item, std::string_view separator = ", ");
 
   // ---- expressions
+  static bool isChain(const Expr &left, Operator op);
   void operand(const Expr *expression);
   void reference(const Reference &reference);
   void subscripts(const List<Expr *> &subscripts);
