@@ -51,6 +51,7 @@ struct Content {
   std::unique_ptr<Simulation> simulation;  // of the latest tf_initialise
   tf_event_callback eventCallback = nullptr;
   void *eventData = nullptr;
+  bool inEvent = false;  // the event callback is running
   Phase phase = Phase::Setup;
   std::vector<double> values;  // all variables at the current point
   bool valuesAreCurrent = false;
@@ -167,6 +168,23 @@ template <class Body> tf_status run(const tf_simulation *simulation, Content &co
   if (status != TF_OK)
     simulation->error = content.simulation->errorText();
   return status;
+}
+
+// Without a callback the simulation does not collect values for one.
+void connectEvents(Content &content) {
+  if (content.simulation == nullptr)
+    return;
+  content.simulation->onEvent = nullptr;
+  if (content.eventCallback == nullptr)
+    return;
+  content.simulation->onEvent = [&content](const tf_event &event) {
+    struct InEvent {
+      Content &content;
+      ~InEvent() { content.inEvent = false; }
+    } inEvent{content};
+    content.inEvent = true;
+    content.eventCallback(content.eventData, &event);
+  };
 }
 
 tf_status createContent(tf_simulation *simulation, const tf_model &model) {
@@ -345,6 +363,7 @@ tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback cal
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
     content.eventCallback = callback;
     content.eventData = data;
+    connectEvents(content);
     return TF_OK;
   });
 }
@@ -357,10 +376,7 @@ tf_status tf_initialise(tf_simulation *simulation, double start_time) {
     TF_RETURN_UNLESS_OK(report(simulation, content.instance.checkParameters()));
     content.simulation = std::make_unique<Simulation>(content.instance, content.inputs);
     content.simulation->options = content.options;
-    content.simulation->onEvent = [&content](const tf_event &event) {
-      if (content.eventCallback != nullptr)
-        content.eventCallback(content.eventData, &event);
-    };
+    connectEvents(content);
     return run(simulation, content, Phase::Failed, [&](Simulation &started) { return started.initialise(start_time); });
   });
 }
@@ -410,6 +426,17 @@ tf_status tf_get_all(tf_simulation *simulation, double *values) {
       return bad(simulation, "the array for the values is missing");
     const std::vector<double> &current = currentValues(content);
     std::copy(current.begin(), current.end(), values);
+    return TF_OK;
+  });
+}
+
+tf_status tf_get_all_before(tf_simulation *simulation, double *values) {
+  return guarded(simulation, [&](Content &content) {
+    if (!content.inEvent)
+      return bad(simulation, "values before an event are known in the event callback only");
+    if (values == nullptr)
+      return bad(simulation, "the array for the values is missing");
+    content.simulation->valuesBeforeEvent(values);
     return TF_OK;
   });
 }

@@ -233,6 +233,36 @@ TEST(LibTf, EventCallbacksReadValuesButCannotStep) {
   EXPECT_EQ(observed.nested, TF_BAD_ARGUMENT);
 }
 
+struct JumpOfVelocity {
+  tf_simulation *simulation;
+  double before = 0, after = 0;
+};
+
+TEST(LibTf, EventCallbacksSeeBothSidesOfAnImpact) {
+  const Owned particle = create(test::particleModel());
+  JumpOfVelocity jump{particle.get()};
+  const auto observe = [](void *data, const tf_event *event) {
+    auto &seen = *static_cast<JumpOfVelocity *>(data);
+    if (event->kind != TF_EVENT_IMPACT)
+      return;
+    std::vector<double> values(static_cast<std::size_t>(test::particleModel().variable_count));
+    const auto velocity = static_cast<std::size_t>(tf_find(seen.simulation, "der(q[2])"));
+    ASSERT_EQ(tf_get_all_before(seen.simulation, values.data()), TF_OK) << tf_error_text(seen.simulation);
+    seen.before = values[velocity];
+    ASSERT_EQ(tf_get_all(seen.simulation, values.data()), TF_OK);
+    seen.after = values[velocity];
+  };
+  ASSERT_EQ(tf_set_tolerance(particle.get(), 1e-9), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  ASSERT_EQ(tf_set_event_callback(particle.get(), observe, &jump), TF_OK);  // also while it runs
+  ASSERT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+  EXPECT_NEAR(jump.before, -std::sqrt(2 * 9.81), 1e-8);
+  EXPECT_NEAR(jump.after, 0, 1e-8);
+  double values[100];
+  EXPECT_EQ(tf_get_all_before(particle.get(), values), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "values before an event are known in the event callback only");
+}
+
 TEST(LibTf, ExceptionsOfCallbacksBecomeErrors) {
   const Owned particle = create(test::particleModel());
   const auto value = [](void *, double, double) -> double { throw std::runtime_error("no value today"); };
