@@ -285,7 +285,7 @@ bool EquationSystem::defineVariable(int id) {
     return true;
   const NodeId derivative = definitions_[static_cast<std::size_t>(id)];
   stateDerivatives_[static_cast<std::size_t>(state)] = derivative;
-  for (const Symbol force : ir::dependencies(graph_, std::array{derivative})[0])
+  for (const Symbol force : symbolsOf(graph_, derivative))
     if (isForce(force)) {
       diagnostics_.report(diag::StateOnForce, equationOf(symbol.index).span, nameOf(symbol.index), names_.describe(force));
       return false;
@@ -360,7 +360,7 @@ bool EquationSystem::defineSwitch(int id) {
   const NodeId condition = resolve(provisional.condition);
   SwitchKind kind = provisional.isContinuous ? SwitchKind::Continuous : SwitchKind::Sliding;
   bool isParametric = true, isTime = true;
-  for (const Symbol symbol : ir::dependencies(graph_, std::array{condition})[0]) {
+  for (const Symbol symbol : symbolsOf(graph_, condition)) {
     if (isForce(symbol)) {
       diagnostics_.report(diag::ConditionOnForce, provisional.span, provisional.text, names_.describe(symbol));
       return false;

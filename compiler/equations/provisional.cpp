@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <span>
+
 namespace tf::equations {
 
 int Provisionals::variable(int unknown, int order, Span span) {
@@ -15,6 +17,10 @@ int Provisionals::addSwitch(ProvisionalSwitch switching) {
   all_.push_back({Provisional::Kind::Switch, static_cast<int>(switches_.size()), 0, switching.span});
   switches_.push_back(std::move(switching));
   return size() - 1;
+}
+
+std::vector<ir::Symbol> symbolsOf(const ir::Graph &graph, ir::NodeId node) {
+  return std::move(ir::dependencies(graph, std::span<const ir::NodeId>(&node, 1))[0]);
 }
 
 std::string SymbolNames::describe(ir::Symbol symbol) const {

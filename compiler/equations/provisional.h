@@ -43,6 +43,9 @@ private:
   std::map<std::pair<int, int>, int> variables_;
 };
 
+// Symbols that one node depends on, sorted.
+[[nodiscard]] std::vector<ir::Symbol> symbolsOf(const ir::Graph &graph, ir::NodeId node);
+
 // Names for messages about symbols that equations and attributes depend on.
 struct SymbolNames {
   const VariableTable *variables = nullptr;

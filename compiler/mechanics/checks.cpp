@@ -225,12 +225,12 @@ bool checkGravity(Derivation &d) {
 }  // namespace
 
 std::vector<Symbol> allDependencies(const HybridSystem &system, NodeId node) {
-  std::vector<Symbol> all = ir::dependencies(system.graph, std::array{node})[0];
+  std::vector<Symbol> all = equations::symbolsOf(system.graph, node);
   for (std::size_t k = 0; k < all.size(); ++k) {
     if (all[k].kind != SymbolKind::StepVariable)
       continue;
     const NodeId condition = system.switches[static_cast<std::size_t>(all[k].index)].condition;
-    for (const Symbol symbol : ir::dependencies(system.graph, std::array{condition})[0])
+    for (const Symbol symbol : equations::symbolsOf(system.graph, condition))
       if (std::ranges::find(all, symbol) == all.end())
         all.push_back(symbol);
   }

@@ -16,7 +16,7 @@ namespace {
 // The length scale of a gap: the largest nominal value of the coordinates that move it.
 double nominalOf(const Derivation &derivation, NodeId gap) {
   double nominal = 0;
-  for (const ir::Symbol symbol : ir::dependencies(derivation.system.graph, std::array{gap})[0])
+  for (const ir::Symbol symbol : equations::symbolsOf(derivation.system.graph, gap))
     if (symbol.kind == SymbolKind::Coordinate)
       for (const Quantity &quantity : derivation.system.quantities)
         if (quantity.kind == TF_KIND_COORDINATE && quantity.index == symbol.index)

@@ -1,6 +1,7 @@
 // The contract of hybrid_system.h.
 #include "compiler/mechanics/hybrid_system.h"
 
+#include "compiler/equations/provisional.h"
 #include "runtime/abi/tf_model.h"
 
 #include <fmt/format.h>
@@ -130,7 +131,7 @@ private:
     for (std::size_t k = 0; k < s_.switches.size(); ++k) {
       const NodeId condition = s_.switches[k].condition;
       nodes("condition", {condition}, Scope::Motion);
-      for (const ir::Symbol symbol : ir::dependencies(s_.graph, std::array{condition})[0])
+      for (const ir::Symbol symbol : equations::symbolsOf(s_.graph, condition))
         if (symbol.kind == SymbolKind::StepVariable && symbol.index >= static_cast<int>(k))
           fail(fmt::format("the condition '{}' depends on its own or a later step variable", s_.switches[k].text));
     }
