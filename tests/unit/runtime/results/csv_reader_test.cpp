@@ -5,6 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <random>
+
 namespace tf::runtime {
 
 namespace {
@@ -12,7 +15,8 @@ namespace {
 using testing::ElementsAre;
 
 Outcome<std::vector<InputTable>> parse(std::string_view text) {
-  return parseInputTables(text, "u.csv", ModelInstance(test::particleModel()));
+  static const ModelInstance instance(test::particleModel());
+  return parseInputTables(text, "u.csv", instance);
 }
 
 TEST(CsvReader, ReadsQuotedNamesAnyColumnOrderAndNumbers) {
@@ -90,6 +94,35 @@ TEST(CsvReader, TakesVerySmallNumbersAsZero) {
   const auto tables = parse("time,u[1]\n0,1e-999\n");
   ASSERT_TRUE(tables.ok()) << tables.error();
   EXPECT_EQ(tables.value()[0].values[0], 0);
+}
+
+// Whatever the bytes are: tables whose times and values match, or a message with the file's name.
+TEST(CsvReader, SurvivesRandomChanges) {
+  const std::string good = "time,\"u[1]\",u[2]\r\n0,1,2\r\n0.5,\"1e3\",-2.5\r\n1,inf,4\r\n";
+  const std::string pool = "0123456789.,-+e\"\r\n \t;u[]timeNa\xEF\xBB\xBF\0\xFF";
+  std::mt19937 random(11);
+  for (int trial = 0; trial < 5000; ++trial) {
+    std::string text = good;
+    for (auto change = random() % 6; change > 0; --change) {
+      const std::size_t at = random() % (text.size() + 1);
+      const char byte = pool[random() % pool.size()];
+      if (random() % 3 == 0)
+        text.insert(text.begin() + static_cast<std::ptrdiff_t>(at), byte);
+      else if (random() % 2 == 0)
+        text.erase(at, 1 + random() % 4);
+      else if (at < text.size())
+        text[at] = byte;
+    }
+    const auto tables = parse(text);
+    if (!tables.ok()) {
+      EXPECT_EQ(tables.error().substr(0, 6), "u.csv:") << text;
+      continue;
+    }
+    for (const InputTable &table : tables.value()) {
+      EXPECT_EQ(table.times.size(), table.values.size());
+      EXPECT_TRUE(std::is_sorted(table.times.begin(), table.times.end()));
+    }
+  }
 }
 
 }  // namespace
