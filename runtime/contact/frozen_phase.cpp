@@ -14,7 +14,7 @@ namespace {
 // Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
 constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
 constexpr double feasibility = 1e-9;
-constexpr int keptBreakpoints = 1000, tailFrom = 48, cycleLimit = 4000, breakpointLimit = 100000;
+constexpr int keptBreakpoints = 1000, tailFrom = 48, cycleLimit = 4000;
 
 }  // namespace
 
@@ -27,6 +27,7 @@ void FrozenProblem::resize(int normals, int tangents) {
 }
 
 struct FrozenPhase::Workspace {
+  Settings settings;
   const FrozenProblem *problem = nullptr;
   PlanarFrictionSolver solver;
   PlanarFrictionMode previous;
@@ -230,9 +231,9 @@ void FrozenPhase::Workspace::follow(int forced) {
     advance(row, duration);
     event = FrozenEvent::Start;
     const int pieces = ++result.breakpointCount;
-    if (pieces > breakpointLimit)
+    if (pieces > settings.breakpointLimit)
       return fail(FrozenStatus::Cycle);
-    if (pieces < tailFrom || !tail.repeats())
+    if (pieces < tailFrom || !settings.sumTails || !tail.repeats())
       continue;
     if (tail.factor() < 1 - 1e-9 && tail.factor() > 0) {
       if (sumTail())
@@ -246,7 +247,8 @@ void FrozenPhase::Workspace::follow(int forced) {
   record(row, event == FrozenEvent::Accumulation ? event : classify(row));
 }
 
-FrozenPhase::FrozenPhase() : work_(std::make_unique<Workspace>()) {}
+FrozenPhase::FrozenPhase() : FrozenPhase(Settings{}) {}
+FrozenPhase::FrozenPhase(const Settings &settings) : work_(std::make_unique<Workspace>()) { work_->settings = settings; }
 FrozenPhase::~FrozenPhase() = default;
 FrozenPhase::FrozenPhase(FrozenPhase &&) noexcept = default;
 FrozenPhase &FrozenPhase::operator=(FrozenPhase &&) noexcept = default;

@@ -61,7 +61,13 @@ struct FrozenResult {
 
 class FrozenPhase {
 public:
+  struct Settings {
+    bool sumTails = true;  // sum geometric tails of breakpoints; else they are followed down to rounding
+    int breakpointLimit = 100000;
+  };
+
   FrozenPhase();
+  explicit FrozenPhase(const Settings &settings);
   ~FrozenPhase();
   FrozenPhase(FrozenPhase &&) noexcept;
   FrozenPhase &operator=(FrozenPhase &&) noexcept;

@@ -117,6 +117,35 @@ TEST(FrozenPhaseRandom, AgreesWithTinyStepsOfTheFilippovSystem) {
   EXPECT_EQ(agreeing, compared);
 }
 
+// Two or three contacts whose zeros of slip and approach follow one another forever within finite τ: the geometric sum equals what
+// following the path down to rounding gives.
+TEST(FrozenPhaseRandom, GeometricTailsAreSummed) {
+  RandomContacts contacts(44);
+  FrozenPhase summing, following({.sumTails = false});
+  int tails = 0;
+  for (int run = 0; run < 60000 && tails < 2; ++run) {
+    const int n = contacts.integer(2, 3), nv = contacts.integer(3, 7);
+    const Eigen::MatrixXd J = looseJacobian(contacts, n, nv);
+    const Eigen::VectorXd v = contacts.matrix(nv, 1) - Eigen::VectorXd::Unit(nv, 0);
+    const FrozenProblem problem = randomPhase(contacts, J, v, 2.0);
+    const FrozenResult &sum = summing.run(problem);
+    const auto points = summing.breakpoints();
+    if (std::none_of(points.begin(), points.end(), [](const auto &p) { return p.event == FrozenEvent::Accumulation; }))
+      continue;
+    ++tails;
+    ASSERT_EQ(sum.status, FrozenStatus::Finished);
+    const FrozenResult &path = following.run(problem);
+    ASSERT_EQ(path.status, FrozenStatus::Finished);
+    EXPECT_GT(path.breakpointCount, sum.breakpointCount);
+    EXPECT_NEAR(sum.duration, path.duration, 1e-10 * path.duration);
+    for (int r = 0; r < 2 * n; ++r) {
+      EXPECT_NEAR(sum.velocity[r], path.velocity[r], 1e-10) << "run " << run;
+      EXPECT_NEAR(sum.impulse[r], path.impulse[r], 1e-10) << "run " << run;
+    }
+  }
+  EXPECT_EQ(tails, 2);
+}
+
 TEST(FrozenPhaseRandom, IsInvariantToACommonFactorOfTheRates) {
   RandomContacts contacts(43);
   FrozenPhase a, b;
