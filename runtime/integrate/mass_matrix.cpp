@@ -6,6 +6,20 @@ namespace tf::runtime {
 
 bool MassMatrix::factorise(const double *mass) {
   const int n = size_;
+  diagonal_ = true;
+  for (int i = 0; i < n && diagonal_; ++i)
+    for (int j = 0; j < i; ++j)
+      diagonal_ = diagonal_ && mass[i * n + j] == 0;
+  if (diagonal_) {
+    for (int i = 0; i < n; ++i) {
+      if (!(mass[i * n + i] > 0) || !std::isfinite(mass[i * n + i])) {
+        failedRow_ = i;
+        return false;
+      }
+      inverseDiagonal_[i] = 1 / mass[i * n + i];
+    }
+    return true;
+  }
   for (int i = 0; i < n; ++i) {
     double *row = factor_.data() + i * n;
     for (int j = 0; j < i; ++j) {
@@ -30,6 +44,11 @@ bool MassMatrix::factorise(const double *mass) {
 
 void MassMatrix::solve(const double *b, double *x) const {
   const int n = size_;
+  if (diagonal_) {
+    for (int i = 0; i < n; ++i)
+      x[i] = b[i] * inverseDiagonal_[i];
+    return;
+  }
   for (int i = 0; i < n; ++i) {
     const double *row = factor_.data() + i * n;
     double sum = b[i];

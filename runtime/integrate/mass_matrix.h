@@ -19,7 +19,8 @@ public:
 private:
   int size_;
   std::vector<double> factor_;           // lower triangle of L, row-major
-  std::vector<double> inverseDiagonal_;  // 1 / L_ii
+  std::vector<double> inverseDiagonal_;  // 1 / L_ii; of a diagonal matrix 1 / M_ii
+  bool diagonal_ = false;
   int failedRow_ = -1;
 };
 

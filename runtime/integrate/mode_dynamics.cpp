@@ -320,6 +320,35 @@ void ModeDynamics::buildGuards() {
   }
 }
 
+double ModeDynamics::readGuard(const Guard &guard) const {
+  switch (guard.kind) {
+  case GuardKind::Gap:
+    return at_.gap[guard.index];
+  case GuardKind::Force:
+    return forces_.marginValues()[guard.index];
+  case GuardKind::Slip:
+    return guard.sign * at_.slip[guard.index];
+  case GuardKind::Condition:
+    return guard.sign * at_.condition[guard.index];
+  case GuardKind::StepLow:
+    return at_.stepVariable[guard.index];
+  case GuardKind::StepHigh:
+    return 1 - at_.stepVariable[guard.index];
+  }
+  return 0;
+}
+
+double ModeDynamics::guardValue(int guard) {
+  const Guard &g = guards_[guard];
+  if (g.kind == GuardKind::Gap)
+    at_.switching(ModelEvaluation::Gaps);
+  else if (g.kind == GuardKind::Slip)
+    at_.switching(ModelEvaluation::Slips);
+  else if (g.kind == GuardKind::Condition)
+    at_.switching(ModelEvaluation::Conditions);
+  return readGuard(g);
+}
+
 void ModeDynamics::guardValues(double *values) {
   const tf_model &model = at_.model();
   int parts = 0;
@@ -331,29 +360,8 @@ void ModeDynamics::guardValues(double *values) {
     parts |= ModelEvaluation::Conditions;
   if (parts != 0)
     at_.switching(parts);
-  for (std::size_t k = 0; k < guards_.size(); ++k) {
-    const Guard &guard = guards_[k];
-    switch (guard.kind) {
-    case GuardKind::Gap:
-      values[k] = at_.gap[guard.index];
-      break;
-    case GuardKind::Force:
-      values[k] = forces_.marginValues()[guard.index];
-      break;
-    case GuardKind::Slip:
-      values[k] = guard.sign * at_.slip[guard.index];
-      break;
-    case GuardKind::Condition:
-      values[k] = guard.sign * at_.condition[guard.index];
-      break;
-    case GuardKind::StepLow:
-      values[k] = at_.stepVariable[guard.index];
-      break;
-    case GuardKind::StepHigh:
-      values[k] = 1 - at_.stepVariable[guard.index];
-      break;
-    }
-  }
+  for (std::size_t k = 0; k < guards_.size(); ++k)
+    values[k] = readGuard(guards_[k]);
 }
 
 void ModeDynamics::guardRates(double *rates) const {

@@ -63,6 +63,7 @@ public:
   [[nodiscard]] const std::vector<Guard> &guards() const { return guards_; }
   // Values at the point of the last evaluation.
   void guardValues(double *values);
+  [[nodiscard]] double guardValue(int guard);
   // d/dt of the Gap guards at that point (NaN for the others).
   void guardRates(double *rates) const;
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
@@ -87,6 +88,7 @@ private:
   void correct(double *target);
   void differenceJacobian(double time, const double *state, double *matrix);
   bool fail(EvaluationFailure failure);
+  [[nodiscard]] double readGuard(const Guard &guard) const;
   void buildGuards();
 
   ModelEvaluation &at_;

@@ -39,6 +39,8 @@ public:
   virtual bool shorten(double time) = 0;
   // State inside the last step.
   virtual void interpolate(double time, double *state) = 0;
+  // The caller has moved the end of the step by a trifle.
+  void moveEnd(double time) { endTime_ = time; }
   // Length that the error control would take next.
   [[nodiscard]] virtual double suggestedStep() const = 0;
 

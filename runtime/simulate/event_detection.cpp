@@ -8,6 +8,8 @@ namespace tf::runtime {
 
 namespace {
 
+bool isForceGuard(GuardKind kind) { return kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh; }
+
 constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
 
 // Cubic Hermite interpolant on [0, h] at s in [0, 1].
@@ -44,23 +46,26 @@ EventDetection::EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integra
 double EventDetection::threshold(int guard) const {
   const Guard &g = dynamics_.guards()[guard];
   const double tolerance = integrator_->settings().tolerance;
-  const bool isForce = g.kind == GuardKind::Force || g.kind == GuardKind::StepLow || g.kind == GuardKind::StepHigh;
-  return (isForce ? std::max(1e-9, tolerance) : std::clamp(0.1 * tolerance, 1e-12, 1e-9)) * g.scale;
+  return (isForceGuard(g.kind) ? std::max(1e-9, tolerance) : std::clamp(0.1 * tolerance, 1e-12, 1e-9)) * g.scale;
 }
 
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
 double EventDetection::level(int guard) const { return armed_[guard] ? 0 : std::min(start_[guard], 0.0) - threshold(guard); }
 
-bool EventDetection::sample(double time, const double *state, Sample &sample) {
+void EventDetection::readGuards(double time, Sample &sample) {
   sample.time = time;
+  dynamics_.guardValues(sample.value.data());
+  dynamics_.guardRates(sample.rate.data());
+}
+
+bool EventDetection::sample(double time, const double *state, Sample &sample) {
   if (needsForces_) {
     if (!dynamics_.evaluate(time, state, scratch_.data()))
       return false;
   } else {
     dynamics_.model().setPoint(time, state);
   }
-  dynamics_.guardValues(sample.value.data());
-  dynamics_.guardRates(sample.rate.data());
+  readGuards(time, sample);
   return true;
 }
 
@@ -69,15 +74,24 @@ bool EventDetection::sampleInside(double time, Sample &sample) {
   return this->sample(time, state_.data(), sample);
 }
 
+double EventDetection::guardAt(int guard, double time, const double *state) {
+  const bool isForce = isForceGuard(dynamics_.guards()[guard].kind);
+  if (isForce && !dynamics_.evaluate(time, state, scratch_.data()))
+    return std::numeric_limits<double>::quiet_NaN();
+  if (!isForce)
+    dynamics_.model().setPoint(time, state);
+  return dynamics_.guardValue(guard);
+}
+
 double EventDetection::guardInside(int guard, double time) {
-  return sampleInside(time, inside_) ? inside_.value[guard] : std::numeric_limits<double>::quiet_NaN();
+  integrator_->interpolate(time, state_.data());
+  return guardAt(guard, time, state_.data());
 }
 
 void EventDetection::restart(double time, const double *state) {
   const std::size_t count = dynamics_.guards().size();
-  needsForces_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) {
-    return guard.kind == GuardKind::Force || guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh;
-  });
+  needsForces_ =
+      std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
   const auto resize = [count](Sample &s) {
     s.value.assign(count, 0.0);
     s.rate.assign(count, 0.0);
@@ -85,7 +99,6 @@ void EventDetection::restart(double time, const double *state) {
   resize(begin_);
   resize(end_);
   resize(middle_);
-  resize(inside_);
   std::for_each(pool_.begin(), pool_.end(), resize);
   sample(time, state, begin_);
   start_ = begin_.value;
@@ -123,7 +136,7 @@ void EventDetection::bracket(int guard, double low, double lowValue, double high
     }
   }
   if (first.guard < 0 || b < first.time)
-    first = {guard, b, low, high};
+    first = {guard, b, low, high, b > a ? (fb - fa) / (b - a) : 0};
 }
 
 // A gap that may come near zero between the samples: its own rates could take it there.
@@ -200,8 +213,8 @@ DetectedEvent EventDetection::detect() {
   if (dynamics_.guards().empty())
     return first;
   begin_.time = integrator_->beginTime();
-  if (!sample(integrator_->endTime(), integrator_->end(), end_))
-    return first;
+  // The dynamics' last evaluation is at the end of the step.
+  readGuards(integrator_->endTime(), end_);
   Sample &middle = middle_;
   if (!sampleInside(0.5 * (begin_.time + end_.time), middle))
     return first;
@@ -219,44 +232,77 @@ void EventDetection::advance() {
   std::swap(begin_, end_);
 }
 
+// The step's length h is an unknown together with the state: Newton's method on guard(y(t0 + h)) = 0 with the element solved anew for each
+// h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
 bool EventDetection::locate(DetectedEvent &event) {
   const int guard = event.guard;
   const double zero = level(guard);
-  double low = integrator_->beginTime(), high = event.high;
-  double x = std::min(event.time, high), previous = 0, previousValue = 0;
-  bool hasPrevious = false;
+  const double begin = integrator_->beginTime();
+  double low = begin, high = std::max(event.high, event.time);
+  double x = event.time, slope = event.slope;
   for (int k = 0; k < 60; ++k) {
-    if (!integrator_->shorten(x) || !sample(x, integrator_->end(), end_))
+    if (!integrator_->shorten(x))
       return false;
+    readGuards(x, end_);
     const double value = end_.value[guard] - zero;
     (value >= 0 ? low : high) = x;
-    event.time = x;
-    const double resolution = 2 * std::numeric_limits<double>::epsilon() * std::max(std::abs(x), high - low);
-    if (value == 0 || high - low <= resolution)
-      return true;
-    double slope = end_.rate[guard];
-    if (std::isnan(slope))
-      slope = hasPrevious ? (value - previousValue) / (x - previous) : -1 / std::max(1e-6 * (high - low), resolution) * std::abs(value);
-    double next = x - value / slope;
-    if (hasPrevious && std::abs(next - x) <= resolution && std::abs(previous - x) <= 1e-5 * std::max(high - low, resolution))
-      return true;
+    if (!std::isnan(end_.rate[guard]))
+      slope = end_.rate[guard];
+    const double correction = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
+    if (std::abs(correction) <= 1e-5 * (x - begin))
+      return nudge(guard, zero, slope, x, event);
+    double next = x + correction;
     if (!(next > low && next < high)) {
-      // The interpolant's root and the element's own may lie on either side of the bracket's end.
-      if (value >= 0 && next >= high && k < 3 && !hasPrevious) {
-        high = std::min(x + 4 * std::abs(next - x), integrator_->beginTime() + 2 * (high - integrator_->beginTime()));
+      // The element's own zero may lie a little beyond the bracket that the interpolant gave.
+      if (value >= 0 && x >= high - 1e-12 * (high - begin) && k < 4) {
+        high = x + 0.1 * (x - begin);
         next = std::min(next, high);
       } else {
         next = 0.5 * (low + high);
       }
     }
-    if (std::abs(next - x) <= 0.5 * resolution)
+    if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
+      event.time = x;
       return true;
-    previous = x;
-    previousValue = value;
-    hasPrevious = true;
+    }
     x = next;
   }
+  event.time = x;
   return true;
+}
+
+// From the element's end at `base`, where the dynamics has been evaluated, to the zero nearby.
+bool EventDetection::nudge(int guard, double zero, double slope, double base, DetectedEvent &event) {
+  const int n = dynamics_.size();
+  nudgeBase_.assign(integrator_->end(), integrator_->end() + n);
+  nudgeRate_.assign(integrator_->endRate(), integrator_->endRate() + n);
+  double value = end_.value[guard] - zero, x = base, previous = base, previousValue = value;
+  const double resolution = std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
+  for (int k = 0; k < 8 && value != 0; ++k) {
+    const double step = -value / slope;
+    previous = x;
+    previousValue = value;
+    if (std::abs(step) <= 0.5 * resolution)
+      break;
+    x += step;
+    const double h = x - base;
+    for (int i = 0; i < n; ++i)
+      state_[i] = nudgeBase_[i] + h * nudgeRate_[i];
+    if (!dynamics_.evaluate(x, state_.data(), integrator_->endRate()))
+      return false;
+    for (int i = 0; i < n; ++i)
+      integrator_->end()[i] = nudgeBase_[i] + 0.5 * h * (nudgeRate_[i] + integrator_->endRate()[i]);
+    value = guardAt(guard, x, integrator_->end()) - zero;
+    if (std::isnan(value))
+      return false;
+    if (x != previous && value != previousValue && std::abs(x - previous) > 4 * resolution)
+      slope = (value - previousValue) / (x - previous);
+    if (!(slope < 0))
+      break;
+  }
+  event.time = x;
+  integrator_->moveEnd(x);
+  return dynamics_.evaluate(x, integrator_->end(), integrator_->endRate());
 }
 
 }  // namespace tf::runtime

@@ -12,6 +12,7 @@ struct DetectedEvent {
   int guard = -1;            // in ModeDynamics::guards(), −1: none
   double time = 0;           // estimate from the interpolant
   double low = 0, high = 0;  // bracket: the guard is ≥ 0 at low and < 0 at high
+  double slope = 0;          // of the guard near the zero, < 0
 };
 
 class EventDetection {
@@ -23,7 +24,7 @@ public:
   void restart(double time, const double *state);
   // The guards changed within the mode.
   void guardsChanged(double time, const double *state) { restart(time, state); }
-  // Guards at the end of the integrator's last step must be evaluable: looks for the first event in that step.
+  // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
   DetectedEvent detect();
   // The step ended without an event: its end is the begin of the next one.
   void advance();
@@ -36,6 +37,7 @@ private:
     std::vector<double> value, rate;
   };
 
+  void readGuards(double time, Sample &sample);
   bool sample(double time, const double *state, Sample &sample);
   bool sampleInside(double time, Sample &sample);
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
@@ -44,16 +46,18 @@ private:
   void bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first);
   double threshold(int guard) const;
   double level(int guard) const;
+  double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
+  bool nudge(int guard, double zero, double slope, double base, DetectedEvent &event);
 
   ModeDynamics &dynamics_;
   SmoothIntegrator *integrator_;
   std::vector<std::uint8_t> armed_;  // the guard has been clearly positive in this mode
   std::vector<double> start_;        // values where the mode began
   bool needsForces_ = false;
-  Sample begin_, middle_, end_, inside_;
+  Sample begin_, middle_, end_;
   std::vector<Sample> pool_;  // one middle for each depth of the search
-  std::vector<double> state_, scratch_;
+  std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_;
 };
 
 }  // namespace tf::runtime

@@ -408,7 +408,6 @@ tf_status Simulation::Implementation::handle(DetectedEvent event) {
   const Guard guard = dynamics_.guards()[event.guard];
   if (!detection_->locate(event))
     return failEvaluation();
-  dynamics_.evaluate(integrator_->endTime(), integrator_->end(), integrator_->endRate());
   dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
   commit();
   if (++eventsHere_ > mostEventsAtOneTime)
