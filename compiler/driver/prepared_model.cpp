@@ -50,7 +50,7 @@ std::vector<std::string> structuralNames(const flat::FlatModel &model) {
 }
 
 // Generates code into the cache, or into memory where there is none.
-bool generate(HybridSystem &system, const CacheRequest &request, const std::vector<std::string> &structural, ModelCache *cache,
+bool generate(HybridSystem &system, const CacheRequest &request, const std::vector<std::string> &structural, const ModelCache *cache,
               PreparedModel &prepared, Session &session) {
   CodeGenerator *generator = codeGenerator(session);
   if (generator == nullptr)

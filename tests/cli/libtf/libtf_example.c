@@ -123,8 +123,8 @@ static void checkContinuation(tf_simulation *simulation, tf_simulation *other) {
 static void checkErrors(tf_simulation *simulation) {
   if (tf_find(simulation, "no such variable") != -1)
     fail("find", "finds a variable that does not exist");
-  if (tf_set(simulation, "mu", 0.5) != TF_BAD_ARGUMENT)
-    fail("set", "changes a parameter of a running simulation");
+  if (tf_set(simulation, "mu", -0.5) != TF_BAD_ARGUMENT)
+    fail("set", "accepts a value below the minimum");
   if (tf_step(simulation, 0) != TF_BAD_ARGUMENT || strlen(tf_error_text(simulation)) == 0)
     fail("step", "goes back in time");
 }

@@ -1,0 +1,3 @@
+model ArgumentCount
+  Real x = sin(time, 2);
+end ArgumentCount;

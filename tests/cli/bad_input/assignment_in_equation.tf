@@ -1,0 +1,5 @@
+model AssignmentInEquation
+  Real x;
+equation
+  x := time;
+end AssignmentInEquation;

@@ -1,0 +1,4 @@
+model BodyPositionShape
+  coordinate Real q[2](start = {0, 1});
+  body ball(mass = 1, position = {q, q});
+end BodyPositionShape;

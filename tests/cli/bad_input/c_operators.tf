@@ -1,0 +1,3 @@
+model COperators
+  Boolean a = time != 1 && time > 0;
+end COperators;

@@ -1,0 +1,3 @@
+model ConditionNotBoolean
+  Real x = if time then 1 else 2;
+end ConditionNotBoolean;

@@ -1,0 +1,3 @@
+model CoordinateWithPrefix
+  input coordinate Real x;
+end CoordinateWithPrefix;

@@ -1,0 +1,4 @@
+model DeclaredTwice
+  Real x = time;
+  Real x = 2*time;
+end DeclaredTwice;

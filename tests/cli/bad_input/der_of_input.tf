@@ -1,0 +1,4 @@
+model DerOfInput
+  input Real u;
+  Real x = der(u);
+end DerOfInput;

@@ -1,0 +1,4 @@
+model DerOfWrongType
+  Boolean b = time > 1;
+  Real x = der(b);
+end DerOfWrongType;

@@ -1,0 +1,7 @@
+model FinalModified
+  model Part
+    final parameter Real k = 1;
+    Real x = k*time;
+  end Part;
+  Part part(k = 2);
+end FinalModified;

@@ -1,0 +1,5 @@
+model GapWithAbs
+  coordinate Real q[2](start = {0, 1});
+  body ball(mass = 1, position = q);
+  contact floor(gap = abs(q[2]));
+end GapWithAbs;

@@ -1,0 +1,3 @@
+model KeywordAsName
+  Real end = 3;
+end KeywordAsName;

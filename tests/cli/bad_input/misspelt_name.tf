@@ -1,0 +1,4 @@
+model MisspeltName
+  parameter Real stiffness = 2;
+  Real x = stifness*time;
+end MisspeltName;

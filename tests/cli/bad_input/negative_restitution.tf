@@ -1,0 +1,5 @@
+model NegativeRestitution
+  coordinate Real q[2](start = {0, 1});
+  body ball(mass = 1, position = q);
+  contact floor(gap = q[2], restitution = 2);
+end NegativeRestitution;

@@ -1,0 +1,5 @@
+model NoEquation
+  Real x, y;
+equation
+  x = time;
+end NoEquation;

@@ -1,0 +1,4 @@
+model ParameterFromVariable
+  Real x = time;
+  parameter Real p = 2*x;
+end ParameterFromVariable;

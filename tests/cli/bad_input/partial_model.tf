@@ -1,0 +1,3 @@
+partial model PartialModel
+  Real x = time;
+end PartialModel;

@@ -1,0 +1,4 @@
+model Rotation
+  coordinate Rotation R;
+  body top(orientation = R, inertia = identity(3));
+end Rotation;

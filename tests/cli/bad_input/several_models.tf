@@ -1,0 +1,7 @@
+model First
+  Real x = time;
+end First;
+
+model Second
+  Real x = 2*time;
+end Second;

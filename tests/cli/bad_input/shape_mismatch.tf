@@ -1,0 +1,3 @@
+model ShapeMismatch
+  Real x[3] = {1, 2}*time;
+end ShapeMismatch;

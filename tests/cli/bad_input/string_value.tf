@@ -1,0 +1,3 @@
+model StringValue
+  Real x = "1";
+end StringValue;

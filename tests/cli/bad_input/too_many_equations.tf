@@ -1,0 +1,6 @@
+model TooManyEquations
+  Real x;
+equation
+  x = time;
+  x = 2*time;
+end TooManyEquations;

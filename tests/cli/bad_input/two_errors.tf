@@ -1,0 +1,5 @@
+model TwoErrors
+  Real x = time +;
+  Real y = 3 * / 2;
+  Real z = time;
+end TwoErrors;

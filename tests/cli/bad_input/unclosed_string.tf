@@ -1,0 +1,3 @@
+model UnclosedString
+  Real x = time "position;
+end UnclosedString;

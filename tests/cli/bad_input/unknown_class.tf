@@ -1,0 +1,3 @@
+model UnknownClass
+  Reel x = time;
+end UnknownClass;

@@ -1,0 +1,3 @@
+model UnknownFunction
+  Real x = sinus(time);
+end UnknownFunction;

@@ -1,0 +1,3 @@
+model UnknownMember
+  Real x = Modelica.Constants.pie*time;
+end UnknownMember;

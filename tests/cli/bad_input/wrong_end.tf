@@ -1,0 +1,3 @@
+model WrongEnd
+  Real x = time;
+end WrongEmd;
