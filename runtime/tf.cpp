@@ -103,10 +103,12 @@ template <class Body> tf_status guarded(const tf_simulation *simulation, const B
   return TF_FAILED;
 }
 
-tf_status requireSetup(const tf_simulation *simulation, const Content &content, const char *what) {
-  return content.phase == Phase::Setup || content.phase == Phase::Failed
-             ? TF_OK
-             : bad(simulation, fmt::format("{} can only be set before tf_initialise", what));
+// Settings that a run reads at its start: a run that goes on with others would be neither the old nor the new one, so it ends here.
+tf_status beginSetup(const tf_simulation *simulation, Content &content) {
+  if (content.phase == Phase::Running)
+    return bad(simulation, "the simulation is running: callbacks can only read values");
+  content.phase = Phase::Setup;
+  return TF_OK;
 }
 
 tf_status requirePoint(const tf_simulation *simulation, const Content &content) {
@@ -273,9 +275,9 @@ tf_status tf_set(tf_simulation *simulation, const char *name, double value) {
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
     const tf_variable &variable = content.instance.model().variables[reference->variable];
     const bool input = variable.kind == TF_KIND_INPUT;
-    if (!input)
-      TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "parameters and starts"));
     TF_RETURN_UNLESS_OK(report(simulation, content.instance.set(name, value)));
+    if (!input)
+      TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
     if (input) {
       content.inputs.setConstant(variable.index, reference->sign * value);
       content.valuesAreCurrent = false;
@@ -327,9 +329,9 @@ tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_
 
 tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance) {
   return guarded(simulation, [&](Content &content) {
-    TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "the tolerance"));
     if (!(tolerance > 0 && tolerance < 1))
       return bad(simulation, fmt::format("the tolerance must be between 0 and 1, not {}", tolerance));
+    TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
     content.options.tolerance = tolerance;
     return TF_OK;
   });
@@ -337,9 +339,9 @@ tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance) {
 
 tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator) {
   return guarded(simulation, [&](Content &content) {
-    TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "the integrator"));
     if (integrator < TF_AUTO || integrator > TF_EXPLICIT)
       return bad(simulation, fmt::format("there is no integrator number {}", static_cast<int>(integrator)));
+    TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
     content.options.integrator = integrator;
     return TF_OK;
   });
@@ -347,11 +349,11 @@ tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator)
 
 tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixed_step) {
   return guarded(simulation, [&](Content &content) {
-    TF_RETURN_UNLESS_OK(requireSetup(simulation, content, "step options"));
     if (stages < 0 || stages > 4)
       return bad(simulation, fmt::format("the number of stages must be 1 to 4, or 0 for an automatic choice, not {}", stages));
     if (!(fixed_step >= 0 && std::isfinite(fixed_step)))
       return bad(simulation, fmt::format("a fixed step must be positive, or 0 for error control, not {}", fixed_step));
+    TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
     content.options.stages = stages;
     content.options.fixedStep = fixed_step;
     return TF_OK;
