@@ -376,7 +376,8 @@ tf_status tf_initialise(tf_simulation *simulation, double start_time) {
     if (!std::isfinite(start_time))
       return bad(simulation, fmt::format("the start time must be finite, not {}", start_time));
     TF_RETURN_UNLESS_OK(report(simulation, content.instance.checkParameters()));
-    content.simulation = std::make_unique<Simulation>(content.instance, content.inputs);
+    if (content.simulation == nullptr)
+      content.simulation = std::make_unique<Simulation>(content.instance, content.inputs);
     content.simulation->options = content.options;
     connectEvents(content);
     return run(simulation, content, Phase::Failed, [&](Simulation &started) { return started.initialise(start_time); });
