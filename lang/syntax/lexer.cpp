@@ -4,8 +4,6 @@
 #include "lang/syntax/syntax_diagnostics.h"
 
 #include <array>
-#include <charconv>
-#include <cstring>
 
 namespace tf::syntax {
 
@@ -80,6 +78,7 @@ private:
   void string();
   void quotedName();
   void punctuation();
+  void dot();
   void lineComment();
   void blockComment();
   void other();
@@ -304,23 +303,29 @@ void Lexer::punctuation() {
   case '^':
     return take(TokenKind::Power, 1);
   default:
-    break;
+    return dot();
   }
-  // A dot: an element-wise operator, the start of a number or an access.
-  switch (next) {
-  case '+':
-    return take(TokenKind::DotPlus, 2);
-  case '-':
-    return take(TokenKind::DotMinus, 2);
-  case '*':
-    return take(TokenKind::DotTimes, 2);
-  case '/':
-    return take(TokenKind::DotDivide, 2);
-  case '^':
-    return take(TokenKind::DotPower, 2);
-  default:
-    return classAt(position_ + 1) == Digit ? number() : take(TokenKind::Dot, 1);
+}
+
+// An element-wise operator, the start of a number or an access.
+void Lexer::dot() {
+  constexpr std::pair<char, TokenKind> operators[] = {{'+', TokenKind::DotPlus},
+                                                      {'-', TokenKind::DotMinus},
+                                                      {'*', TokenKind::DotTimes},
+                                                      {'/', TokenKind::DotDivide},
+                                                      {'^', TokenKind::DotPower}};
+  const std::size_t begin = position_;
+  const char next = at(position_ + 1);
+  for (const auto &[character, kind] : operators) {
+    if (next != character)
+      continue;
+    position_ += 2;
+    return push(kind, begin);
   }
+  if (classAt(position_ + 1) == Digit)
+    return number();
+  ++position_;
+  push(TokenKind::Dot, begin);
 }
 
 bool Lexer::foreignOperator() {
