@@ -129,6 +129,11 @@ void ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   ++statistics.redundant;
   if (set.solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved)
     return;
+  // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found stays.
+  const double violation = solver.certificate(set.forces(), set.accelerations());
+  if (violation > std::max(10 * settings.degeneracy, solution.violation))
+    return;
+  solution.violation = violation;
   solution.forces = set.forces();
   solution.accelerations = set.accelerations();
   for (std::size_t k = 0; k < set.limits().size(); ++k)
@@ -216,8 +221,6 @@ const ContactSolution &ContactSolver::solve(const ContactProblem &problem, const
     return solution;
   }
   w.settleForces(problem);
-  if (solution.redundant)
-    solution.violation = w.solver.certificate(solution.forces, solution.accelerations);
   w.listDegenerate(problem, previous);
   return solution;
 }

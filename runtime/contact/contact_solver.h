@@ -42,7 +42,8 @@ public:
 
   // Decides the degenerate rows of `solution` (of `solve` on the same problem) by the first-order problem in λ̇, ẇ = D λ̇ + accelerationRate:
   // rows with λ_n = 0 = w_n, and rows with zero slip, w_t = 0 and |λ_t| = limit. The mode returned holds right after the instant. Rows that
-  // this derivative leaves open too keep the previous mode, else the lowest index closes first. Forces and accelerations are unchanged.
+  // this derivative leaves open too stay in `degenerate` and keep the previous mode, else the lowest index closes first. Forces and
+  // accelerations are unchanged.
   const ContactSolution &resolve(const ContactProblem &problem, const ContactSolution &solution, const ContactRates &rates,
                                  const ContactMode *previous = nullptr);
   // λ̇ of the last `resolve`: n + m.

@@ -8,12 +8,6 @@ namespace tf::runtime {
 bool LuFactor::factor(double singular) {
   const int n = lu_.rows();
   pivot_.resize(n);
-  double largest = 0;
-  if (singular > 0)
-    for (int k = 0; k < n * n; ++k)
-      largest = std::max(largest, std::abs(lu_.data()[k]));
-  const double threshold = singular * largest;
-
   for (int k = 0; k < n; ++k) {
     double *columnK = lu_.column(k);
     int best = k;
@@ -22,7 +16,7 @@ bool LuFactor::factor(double singular) {
         best = i;
     pivot_[k] = best;
     const double magnitude = std::abs(columnK[best]);
-    if (!(magnitude > threshold) || !std::isfinite(magnitude))
+    if (!(magnitude > singular) || !std::isfinite(magnitude))
       return false;
     if (best != k)
       for (int j = 0; j < n; ++j)

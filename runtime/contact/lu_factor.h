@@ -14,7 +14,7 @@ public:
   DenseMatrix &matrix() { return lu_; }
   [[nodiscard]] const DenseMatrix &matrix() const { return lu_; }
 
-  // False where a pivot's magnitude is not above `singular` times the largest entry of the matrix (or not finite).
+  // False where a pivot's magnitude is not above `singular`, or not finite.
   bool factor(double singular);
 
   // b ← A⁻¹ b.

@@ -88,7 +88,9 @@ void NextDerivative::dropDependent() {
       bilateral_.push_back(r);
   const int k = static_cast<int>(bilateral_.size());
   gram_.resize(k, k);
-  remaining_.assign(k, 1.0);
+  remaining_.resize(k);
+  for (int r = 0; r < k; ++r)
+    remaining_[r] = p.delassus(bilateral_[r], bilateral_[r]) > 0 ? 1.0 : 1e-300;  // positive: not yet taken
   for (int step = 0; step < k; ++step) {
     int best = -1;
     for (int r = 0; r < k; ++r)
@@ -174,10 +176,8 @@ void NextDerivative::decide(const ContactProblem &problem, const ContactRates &r
   }
   const PlanarFrictionSolution &found = solver_.solve(preferred, settings.feasibility);
   forceRates_ = found.force;
-  if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled) {
-    solution.status = ContactStatus::Unsettled;
+  if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled)
     return;
-  }
   label(problem, settings.degeneracy, found, solution);
 }
 

@@ -14,7 +14,8 @@ namespace tf::runtime {
 class NextDerivative {
 public:
   // Decides `solution.degenerate` and sets the mode of these rows; the list keeps those that this derivative leaves open too, which take
-  // the previous mode (`previous` may be null), else the lowest index closes. The status becomes Unsettled where there is no solution.
+  // the previous mode (`previous` may be null), else the lowest index closes. No row is decided where the first-order problem has no
+  // solution.
   void decide(const ContactProblem &problem, const ContactRates &rates, const ContactMode *previous,
               const ContactSolver::Settings &settings, ContactSolution &solution);
   [[nodiscard]] const std::vector<double> &forceRates() const { return forceRates_; }

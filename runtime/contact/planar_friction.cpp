@@ -9,7 +9,7 @@ namespace tf::runtime {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-// Matrices of modes whose pivots fall below, relative to their largest entry, are singular.
+// Matrices of modes with a smaller pivot are singular: the diagonal of D is scaled to 1.
 constexpr double singularMode = 1e-11;
 // Up to so many modes all are tried; above, pivoting comes first, and enumeration only where pivoting finds no solution.
 constexpr double enumerationLimit = 64, exhaustiveLimit = 20000;

@@ -163,7 +163,7 @@ void PlanarFrictionSolver::readComplementarity(Candidate &candidate) {
 bool PlanarFrictionSolver::pivot() {
   const int variables = assignVariables();
   buildTransfer(variables);
-  for (int attempt = 0; attempt < 3; ++attempt) {
+  for (int attempt = 0; attempt < 8; ++attempt) {
     buildComplementarity(variables);
     for (int k = 0; k < variables && attempt > 0; ++k)
       complementarity_.covering()[k] = 1 + 0.37 * attempt * ((k * 7 + attempt * 3) % 11);
