@@ -1,7 +1,6 @@
 // The entry point of libtfcodegen.
 #include "compiler/codegen/codegen.h"
 #include "compiler/codegen/compiled_model.h"
-#include "compiler/codegen/machine.h"
 
 namespace tf {
 

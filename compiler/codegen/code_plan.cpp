@@ -88,7 +88,8 @@ private:
         path.emplace_back(node.operands[next++], 0);
       } else {
         evaluateHere(id);
-        if (const auto partner = partners_.find(id); partner != partners_.end() && homes_[position(partner->second)] == homes_[position(id)])
+        if (const auto partner = partners_.find(id);
+            partner != partners_.end() && homes_[position(partner->second)] == homes_[position(id)])
           evaluateHere(partner->second);
         path.pop_back();
       }

@@ -23,5 +23,7 @@ struct ModelSource {
 // The same input gives the same bytes. Throw std::runtime_error as CodeGenerator does.
 [[nodiscard]] std::string emit(const ModelSource &source, EmitKind kind, const CodegenOptions &options);
 [[nodiscard]] std::unique_ptr<CompiledInMemory> compileInMemory(const ModelSource &source, const CodegenOptions &options);
+// "cpu +feature,-feature LLVM-19.1.4".
+[[nodiscard]] std::string hostDescription();
 
 }  // namespace tf::codegen

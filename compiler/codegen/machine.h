@@ -1,7 +1,7 @@
 // The host as LLVM's target: optimisation and translation of modules.
 #pragma once
 
-#include "compiler/codegen/codegen.h"
+#include "compiler/codegen/compiled_model.h"
 
 #include <llvm/IR/Module.h>
 #include <llvm/Support/CodeGen.h>
@@ -14,9 +14,6 @@ namespace tf::codegen {
 
 // The host with all its features, position-independent, contraction off. Throws std::runtime_error if LLVM lacks the target.
 [[nodiscard]] std::unique_ptr<llvm::TargetMachine> hostMachine(int optimization);
-// "cpu +feature,-feature LLVM-19.1.4".
-[[nodiscard]] std::string hostDescription();
-
 void optimize(llvm::Module &module, llvm::TargetMachine &machine, int optimization);
 // Assembly text or object bytes. The module may be changed.
 [[nodiscard]] std::string translate(llvm::Module &module, llvm::TargetMachine &machine, llvm::CodeGenFileType type);
