@@ -1,6 +1,7 @@
 // Values of declarations and modifications: typed, projected to array elements and record fields, broadcast; constant values.
 #include "lang/semantics/components.h"
 #include "lang/semantics/diagnostics.h"
+#include "lang/semantics/records.h"
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
@@ -14,42 +15,21 @@ bool isSuffix(const std::vector<int> &part, const std::vector<int> &whole) {
   return part.size() <= whole.size() && std::equal(part.rbegin(), part.rend(), whole.rbegin());
 }
 
-// Selects the part of the value that belongs to an element of an array of models.
-ExprPtr projectIndex(Context &context, const ExprPtr &value, const std::vector<int> &index) {
-  const std::vector<int> &dims = value->type.dims;
-  if (dims.size() < index.size()) {
-    context.diagnostics.report(diag::NeedsEach, value->span, toString(value->type));
-    return nullptr;
-  }
-  for (std::size_t i = 0; i < index.size(); ++i)
-    if (index[i] > dims[i]) {
-      context.diagnostics.report(diag::SplitSize, value->span, dims[i]);
-      return nullptr;
-    }
-  return elementAt(value, index, value->span);
-}
-
 }  // namespace
 
 ExprPtr typeBinding(Context &context, const Binding &binding) {
   assert(binding.expression != nullptr);
+  const Scope scope{binding.scope, nullptr, false};
+  if (std::ranges::any_of(binding.projections, [](const Projection &projection) { return !projection.field.empty(); }))
+    return typeProjected(context, *binding.expression, scope, binding.projections);
   const auto key = std::make_pair(binding.expression, static_cast<const Class *>(binding.scope));
   const auto known = context.typedBindings.find(key);
-  ExprPtr value;
-  if (binding.projections.empty() || binding.projections.front().field.empty()) {
-    value = known != context.typedBindings.end() ? known->second
-                                                 : typeExpression(context, *binding.expression, Scope{binding.scope, nullptr, false});
-    if (known == context.typedBindings.end())
-      context.typedBindings.emplace(key, value);
-  }
-  for (const Projection &projection : binding.projections) {
-    if (!projection.field.empty()) {
-      context.diagnostics.report(diag::NotSupported, binding.expression->span, "the value of a whole record");
-      return nullptr;
-    }
+  ExprPtr value = known != context.typedBindings.end() ? known->second : typeExpression(context, *binding.expression, scope);
+  if (known == context.typedBindings.end())
+    context.typedBindings.emplace(key, value);
+  for (const Projection &projection : binding.projections)
     if (value != nullptr)
       value = projectIndex(context, value, projection.index);
-  }
   return value;
 }
 

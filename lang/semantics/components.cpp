@@ -37,6 +37,11 @@ public:
   Resolution(Context &context, Component &component) : context_(context), component_(component) {}
 
   bool run() {
+    if (component_.clause->flow != ast::Flow::None) {
+      context_.diagnostics.report(diag::NotSupported, component_.clause->prefixSpan,
+                                  component_.clause->flow == ast::Flow::Flow ? "'flow'" : "'stream'");
+      return false;
+    }
     Class *type = lookupClass(context_, *component_.scope, component_.clause->type);
     if (type == nullptr)
       return false;
@@ -49,6 +54,11 @@ public:
       return resolveLeaf(*type, ownDims);
     if (component_.clause->isCoordinate)
       return wrongCoordinate();
+    const bool isRecord = type->definition->restriction == ast::Restriction::Record;
+    if (!isRecord && component_.modifier && component_.modifier->binding) {
+      context_.diagnostics.report(diag::ComponentBinding, component_.modifier->binding->span, component_.name, type->name);
+      return false;
+    }
     if (isRecursive(component_, *type)) {
       context_.diagnostics.report(diag::RecursiveComponent, component_.declaration->name.span, component_.name, type->name);
       return false;
@@ -265,11 +275,14 @@ bool isPresent(Context &context, Component &component) {
   component.isPresent = false;
   if (typed != nullptr && typed->type != Type{Base::Boolean, {}}) {
     context.diagnostics.report(diag::ConditionType, condition.span, toString(typed->type));
-  } else if (typed != nullptr) {
-    if (const auto value = constantValue(context, *typed))
-      component.isPresent = (*value)[0] != 0;
-    else
-      context.diagnostics.report(diag::NotConstant, condition.span, "the condition of a component");
+    component.isFailed = true;
+  } else if (typed == nullptr) {
+    component.isFailed = true;
+  } else if (const auto value = constantValue(context, *typed)) {
+    component.isPresent = (*value)[0] != 0;
+  } else {
+    component.isFailed = true;
+    context.diagnostics.report(diag::NotConstant, condition.span, "the condition of a component");
   }
   component.conditionProgress = Progress::Done;
   return component.isPresent;

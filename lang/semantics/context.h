@@ -38,6 +38,7 @@ struct Context {
   int expressionDepth = 0;
   long typedNodes = 0;
   bool isOverLimit = false;
+  bool isTooDeep = false;
 
   Class &newClass() { return classes.emplace_back(); }
   Component &newComponent() { return components.emplace_back(); }

@@ -153,7 +153,9 @@ private:
     if (binding == nullptr)
       return;
     const Variability own = variabilityOf(component);
-    if (binding->variability > own) {
+    // Integers and Booleans change at events only, whatever they are made of.
+    const bool isDiscreteType = own == Variability::Discrete && typeOf(component).base != Base::Real;
+    if (binding->variability > own && !isDiscreteType) {
       static constexpr std::string_view kNames[] = {"constant", "parameter", "discrete variable", "variable"};
       context_.diagnostics.report(diag::BindingVariability, binding->span, kNames[static_cast<std::size_t>(own)], component.name,
                                   kNames[static_cast<std::size_t>(binding->variability)]);

@@ -1,6 +1,8 @@
 // Equations of a class: for-equations unrolled, if-equations selected or turned into if-expressions, assertions.
+#include "lang/semantics/components.h"
 #include "lang/semantics/diagnostics.h"
 #include "lang/semantics/flatten.h"
+#include "lang/semantics/records.h"
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
@@ -104,7 +106,30 @@ private:
       addOutputs(equation, locals, out);
       return;
     }
-    addSides(type(*equation.left, locals), type(*equation.right, locals), equation.span, out);
+    const Scope scope{&scope_, locals, false};
+    Class *record = recordOf(context_, *equation.left, scope);
+    if (record == nullptr)
+      record = recordOf(context_, *equation.right, scope);
+    if (record != nullptr)
+      addFields(equation, *record, scope, {}, out);
+    else
+      addSides(type(*equation.left, locals), type(*equation.right, locals), equation.span, out);
+  }
+
+  // An equation between records is one between each of their fields.
+  void addFields(const ast::Equation &equation, const Class &record, const Scope &scope, const std::vector<Projection> &outer,
+                 Collected &out) {
+    for (const Member &member : record.members) {
+      if (member.component == nullptr || !resolve(context_, *member.component))
+        continue;
+      std::vector<Projection> field = outer;
+      field.push_back({{}, member.name});
+      if (!member.component->isLeaf() && !member.component->instances.empty())
+        addFields(equation, *member.component->instances.front(), scope, field, out);
+      else if (variabilityOf(*member.component) > Variability::Parameter)
+        addSides(typeProjected(context_, *equation.left, scope, field), typeProjected(context_, *equation.right, scope, field),
+                 equation.span, out);
+    }
   }
 
   // `(a, , c) = f(x)`

@@ -35,7 +35,7 @@ public:
     return std::make_shared<const flat::Expr>(std::move(variable));
   }
 
-  std::unique_ptr<Typer> nested(const Locals *locals) override {
+  std::unique_ptr<Typer> makeNested(const Locals *locals) override {
     return std::make_unique<FreeTyper>(context(), Scope{scope().enclosing, locals, false}, resolve_, names_);
   }
 

@@ -42,19 +42,22 @@ ExprPtr FunctionBody::value(std::string_view name) const {
   return found == variables_.end() ? nullptr : found->value;
 }
 
-bool FunctionBody::run() {
-  for (const ast::Section &section : function_.definition->sections) {
-    if (section.kind != ast::SectionKind::Algorithm) {
-      fail(section.span, "there can be no equations");
-      return false;
-    }
-    const Flow flow = runAll(section.statements, top());
-    if (flow == Flow::Error)
-      return false;
-    if (flow == Flow::Return)
-      break;
+bool FunctionBody::run() { return runSections(function_) != Flow::Error; }
+
+FunctionBody::Flow FunctionBody::runSections(Class &scope) {
+  for (Class *base : scope.bases)
+    if (const Flow flow = runSections(*base); flow != Flow::Next)
+      return flow;
+  if (scope.definition == nullptr)
+    return Flow::Next;
+  scope_ = &scope;
+  for (const ast::Section &section : scope.definition->sections) {
+    if (section.kind != ast::SectionKind::Algorithm)
+      return fail(section.span, "there can be no equations");
+    if (const Flow flow = runAll(section.statements, top()); flow != Flow::Next)
+      return flow;
   }
-  return true;
+  return Flow::Next;
 }
 
 FunctionBody::Flow FunctionBody::fail(Span span, std::string_view what) {
@@ -63,7 +66,7 @@ FunctionBody::Flow FunctionBody::fail(Span span, std::string_view what) {
 }
 
 ExprPtr FunctionBody::type(const ast::Expr &expr, const Locals *iterators) {
-  return Typer(context_, Scope{&function_, iterators, true}).type(expr);
+  return Typer(context_, Scope{scope_, iterators, true}).type(expr);
 }
 
 std::optional<bool> FunctionBody::known(const flat::Expr &condition) {
@@ -176,7 +179,7 @@ FunctionBody::Flow FunctionBody::runFor(const ast::Statement &statement, std::si
   if (level == statement.iterators.size())
     return runAll(statement.body, iterators);
   const ast::ForIndex &index = statement.iterators[level];
-  const auto values = Typer(context_, Scope{&function_, iterators, true}).iteration(index, {});
+  const auto values = Typer(context_, Scope{scope_, iterators, true}).iteration(index, {});
   if (!values)
     return Flow::Error;
   for (const ExprPtr &value : *values) {
@@ -229,7 +232,7 @@ FunctionBody::Flow FunctionBody::runCall(const ast::Statement &statement, const 
 FunctionBody::Flow FunctionBody::assignOutputs(const ast::Statement &statement, const Locals *iterators) {
   if (statement.left == nullptr || statement.right == nullptr)
     return Flow::Error;
-  Typer typer(context_, Scope{&function_, iterators, true});
+  Typer typer(context_, Scope{scope_, iterators, true});
   Class *function = calledFunction(typer, *statement.right);
   if (function == nullptr) {
     context_.diagnostics.report(diag::TupleOutsideCall, statement.left->span);
@@ -254,8 +257,8 @@ FunctionBody::Flow FunctionBody::assign(const ast::Expr &target, const ExprPtr &
   if (variable == nullptr)
     return fail(target.span, "this cannot be assigned to");
   const ExprPtr value = variable->type.base == Base::Real ? toReal(given) : given;
-  const auto chosen = Typer(context_, Scope{&function_, iterators, true})
-                          .selections(target.reference.parts[0].subscripts, variable->type.dims, target.span);
+  const auto chosen =
+      Typer(context_, Scope{scope_, iterators, true}).selections(target.reference.parts[0].subscripts, variable->type.dims, target.span);
   if (!chosen)
     return Flow::Error;
   std::vector<int> dims;

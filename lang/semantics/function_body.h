@@ -10,14 +10,14 @@ namespace tf::semantics {
 
 class FunctionBody {
 public:
-  FunctionBody(Context &context, Class &function) : context_(context), function_(function) {}
+  FunctionBody(Context &context, Class &function) : context_(context), function_(function), scope_(&function) {}
 
   // Declares a variable; a null value: none yet.
   void declare(std::string_view name, Type type, ExprPtr value);
   // Runs all algorithm sections. False if there is an error: reported.
   bool run();
   // A typer for expressions of the body, with the present values.
-  [[nodiscard]] Typer typer() const { return {context_, Scope{&function_, top(), true}}; }
+  [[nodiscard]] Typer typer() const { return {context_, Scope{scope_, top(), true}}; }
   // The value of a variable; null if it has none.
   [[nodiscard]] ExprPtr value(std::string_view name) const;
 
@@ -26,6 +26,7 @@ private:
 
   [[nodiscard]] const Locals *top() const { return variables_.empty() ? nullptr : &variables_.back(); }
   Locals *find(std::string_view name);
+  Flow runSections(Class &scope);
   Flow runAll(const ast::List<ast::Statement *> &statements, const Locals *iterators);
   Flow runStatement(const ast::Statement &statement, const Locals *iterators);
   Flow runIf(const ast::Statement &statement, std::size_t branch, const Locals *iterators);
@@ -43,6 +44,7 @@ private:
 
   Context &context_;
   Class &function_;
+  Class *scope_;  // the function or the base class whose algorithm runs
   std::deque<Locals> variables_;
   long steps_ = 0;
 };

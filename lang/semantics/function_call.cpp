@@ -142,8 +142,8 @@ private:
     for (const Member &member : function_.members)
       if (member.component != nullptr && !declareVariable(body, *member.component, index))
         return std::nullopt;
-    if (function_.definition->external != nullptr)
-      return callExternal(body);
+    if (const ast::External *external = externalOf(function_))
+      return callExternal(body, *external);
     if (!body.run())
       return std::nullopt;
     return outputsOf(body);
@@ -223,9 +223,17 @@ private:
     return true;
   }
 
+  static const ast::External *externalOf(const Class &function) {
+    if (function.definition != nullptr && function.definition->external != nullptr)
+      return function.definition->external;
+    for (const Class *base : function.bases)
+      if (const ast::External *external = externalOf(*base))
+        return external;
+    return nullptr;
+  }
+
   // `external "builtin" y = sin(u)` stands for the builtin function.
-  std::optional<std::vector<ExprPtr>> callExternal(FunctionBody &body) {
-    const ast::External &external = *function_.definition->external;
+  std::optional<std::vector<ExprPtr>> callExternal(FunctionBody &body, const ast::External &external) {
     const std::string_view name = external.function.text.empty() ? function_.name : external.function.text;
     const auto functions = mathFunctions();
     if (std::ranges::find(functions, name, &BuiltinFunction::name) == functions.end()) {
@@ -233,7 +241,6 @@ private:
       return std::nullopt;
     }
     ast::Expr call = call_;
-    ast::ReferencePart part;
     std::vector<ast::Expr *> arguments(external.arguments.begin(), external.arguments.end());
     std::deque<ast::Expr> inputs;
     if (external.function.text.empty())

@@ -31,7 +31,7 @@ std::string qualified(const std::string &prefix, std::string_view name) {
   return prefix.empty() ? std::string(name) : prefix + "." + std::string(name);
 }
 
-// Models of a file, those inside packages included.
+// Models of a class: itself, or those inside a package.
 void collectCandidates(const ast::ClassDefinition &definition, const std::string &prefix, std::vector<std::string> &names) {
   const std::string name = qualified(prefix, definition.name.text);
   if (isModel(definition))
@@ -43,15 +43,17 @@ void collectCandidates(const ast::ClassDefinition &definition, const std::string
       collectCandidates(*element.classDefinition, name, names);
 }
 
+// Models at the top of the given files; if there are none, those inside packages.
 std::vector<std::string> candidatesOf(const Library &library) {
   std::vector<std::string> names;
+  std::vector<std::string> inPackages;
   for (const ast::File *file : library.given()) {
     const std::string within = file->hasWithin ? dotted(file->within) : std::string();
     for (const ast::ClassDefinition *definition : file->classes)
       if (definition != nullptr)
-        collectCandidates(*definition, within, names);
+        collectCandidates(*definition, within, definition->restriction == ast::Restriction::Package ? inPackages : names);
   }
-  return names;
+  return names.empty() ? inPackages : names;
 }
 
 // The class to instantiate; null: reported, or there are candidates to choose from.

@@ -49,7 +49,7 @@ public:
     if (target.node.binding)
       reportTwice(target.node.name, modification.value->span, target.node.binding->span);
     else
-      target.node.binding = Binding{modification.value, scope_, modification.span, isEach, 0, {}};
+      target.node.binding = Binding{modification.value, scope_, modification.value->span, isEach, 0, {}};
   }
 
   void addRedeclaration(Draft &target, const ast::ComponentClause *clause, const ast::Component *component,

@@ -1,6 +1,7 @@
 // Modelica-like text of a flat model.
 #include "lang/semantics/expressions.h"
 #include "lang/semantics/flat_model.h"
+#include "lang/semantics/predefined.h"
 
 #include <fmt/format.h>
 
@@ -258,8 +259,20 @@ private:
   std::string declaration(const Element &element) const {
     std::string text = std::string(kElements[static_cast<std::size_t>(element.kind)]) + " " + element.name + dimensions(element.dims) + "(";
     for (std::size_t i = 0; i < element.attributes.size(); ++i)
-      text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", element.attributes[i].name, expression(*element.attributes[i].value));
+      text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", element.attributes[i].name, attributeValue(element.attributes[i]));
     return text + ")" + description(element.description);
+  }
+
+  // The law's ordinals by their names.
+  std::string attributeValue(const Attribute &attribute) const {
+    const Expr &value = *attribute.value;
+    if (value.kind != ExprKind::Literal || value.type.base != Base::Enumeration)
+      return expression(value);
+    const auto literals = semantics::findPredefined("ImpactLaw")->literals;
+    std::string text;
+    for (const double ordinal : value.values)
+      text += fmt::format("{}ImpactLaw.{}", text.empty() ? "" : ", ", literals[static_cast<std::size_t>(ordinal) - 1]);
+    return value.type.dims.empty() ? text : "{" + text + "}";
   }
 
   std::string equations(bool isInitial) const {

@@ -73,7 +73,7 @@ private:
     if (target == nullptr)
       return nullptr;
     if (!isPresent(context_, *target)) {
-      if (target->conditionProgress == Progress::Done && target->declaration->condition != nullptr && !context_.diagnostics.hasErrors())
+      if (!target->isFailed)
         context_.diagnostics.report(diag::AbsentComponent, name(part).span, target->path)
             .note(target->declaration->condition->span, "its condition is false");
       return nullptr;

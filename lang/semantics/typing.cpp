@@ -57,6 +57,12 @@ flat::Operator operatorOf(ast::Operator op) {
 }  // namespace
 
 std::unique_ptr<Typer> Typer::nested(const Locals *locals) {
+  std::unique_ptr<Typer> inner = makeNested(locals);
+  inner->ends_ = ends_;
+  return inner;
+}
+
+std::unique_ptr<Typer> Typer::makeNested(const Locals *locals) {
   return std::make_unique<Typer>(context_, Scope{scope_.enclosing, locals, scope_.isFunctionBody});
 }
 
@@ -64,7 +70,9 @@ ExprPtr Typer::type(const ast::Expr &expr) {
   if (context_.isOverLimit)
     return nullptr;
   if (context_.expressionDepth >= kMaximumExpressionDepth) {
-    context_.diagnostics.report(diag::NestedTooDeeply, expr.span);
+    if (!context_.isTooDeep)
+      context_.diagnostics.report(diag::NestedTooDeeply, expr.span);
+    context_.isTooDeep = true;
     return nullptr;
   }
   if (++context_.typedNodes > kMaximumTypedNodes) {
@@ -113,20 +121,14 @@ ExprPtr Typer::typeUnguarded(const ast::Expr &expr) {
     return nullptr;
   case ast::ExprKind::Subscripted:
     return typeSubscripted(expr);
-  case ast::ExprKind::ValueAt:
-    diagnostics().report(diag::ValueAtTime, expr.span);
-    return nullptr;
   case ast::ExprKind::End:
-    if (!ends_.empty())
-      return makeInteger(ends_.back(), expr.span);
-    diagnostics().report(diag::EndOutsideSubscript, expr.span);
-    return nullptr;
-  case ast::ExprKind::Colon:
-    diagnostics().report(diag::ColonOutsideSubscript, expr.span);
-    return nullptr;
+    return ends_.empty() ? nullptr : makeInteger(ends_.back(), expr.span);
   case ast::ExprKind::PartialFunction:
     diagnostics().report(diag::NotSupported, expr.span, "a function as an argument");
     return nullptr;
+  // The parser refuses these where they have no value, and `end` outside of subscripts.
+  case ast::ExprKind::Colon:
+  case ast::ExprKind::ValueAt:
   case ast::ExprKind::Error:
     return nullptr;
   }

@@ -55,7 +55,10 @@ public:
   [[nodiscard]] Diagnostics &diagnostics() { return context_.diagnostics; }
 
   // The same scope with further local names.
-  [[nodiscard]] virtual std::unique_ptr<Typer> nested(const Locals *locals);
+  [[nodiscard]] std::unique_ptr<Typer> nested(const Locals *locals);
+
+protected:
+  [[nodiscard]] virtual std::unique_ptr<Typer> makeNested(const Locals *locals);
 
 private:
   ExprPtr typeUnguarded(const ast::Expr &expr);
