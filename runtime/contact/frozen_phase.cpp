@@ -42,7 +42,8 @@ struct FrozenPhase::Workspace {
   std::vector<std::uint8_t> inCycle;
   bool hasPrevious = false;
 
-  void begin(const FrozenProblem &at);
+  void begin(const FrozenProblem &at, int forced);
+  void roundVelocities();
   void pose(int forced);
   bool findDirection(int forced);
   int nextZero(double &duration) const;
@@ -54,12 +55,26 @@ struct FrozenPhase::Workspace {
   void follow(int forced);
 };
 
-void FrozenPhase::Workspace::begin(const FrozenProblem &at) {
+// Velocities that are zero but for the rounding of J v: compared with the largest one, in the metric of D.
+void FrozenPhase::Workspace::roundVelocities() {
+  const auto metric = [this](int r) { return problem->delassus(r, r) > 0 ? std::sqrt(problem->delassus(r, r)) : 1.0; };
+  double largest = 0;
+  for (int r = 0; r < problem->count(); ++r)
+    largest = std::max(largest, std::abs(velocity[r]) / metric(r));
+  for (int r = 0; r < problem->count(); ++r)
+    if (std::abs(velocity[r]) <= rounding * largest * metric(r))
+      velocity[r] = 0;
+}
+
+void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   problem = &at;
   const int count = at.count();
   velocity.resize(count);
   std::copy_n(at.normalVelocity.begin(), at.normalCount, velocity.begin());
   std::copy_n(at.slipVelocity.begin(), at.tangentCount, velocity.begin() + at.normalCount);
+  roundVelocities();
+  if (forced >= 0)
+    velocity[forced] = std::min(velocity[forced], 0.0);
   inCycle.resize(count);
   magnitude.resize(count);
   for (int r = 0; r < count; ++r)
@@ -85,8 +100,8 @@ void FrozenPhase::Workspace::pose(int forced) {
   p.resize(n, m);
   std::copy_n(problem->delassus.data(), (n + m) * (n + m), p.delassus.data());
   for (int i = 0; i < n; ++i) {
-    const bool pushes = velocity[i] < 0 || i == forced, open = velocity[i] > 0;
-    p.normalKind[i] = pushes || open ? NormalKind::Prescribed : NormalKind::Unilateral;
+    const bool open = velocity[i] > 0;
+    p.normalKind[i] = velocity[i] != 0 || i == forced ? NormalKind::Prescribed : NormalKind::Unilateral;
     p.upper[i] = open ? 0.0 : problem->rate[i];
   }
   for (int j = 0; j < m; ++j) {
@@ -255,7 +270,7 @@ FrozenPhase &FrozenPhase::operator=(FrozenPhase &&) noexcept = default;
 
 const FrozenResult &FrozenPhase::run(const FrozenProblem &problem, int forced) {
   Workspace &w = *work_;
-  w.begin(problem);
+  w.begin(problem, forced);
   w.follow(forced);
   w.result.duration = w.tau;
   w.result.impulse = w.impulse;
