@@ -33,7 +33,7 @@ struct StepFunction {
 
 // One vector field. q' = v and t' = 1 where time runs, 0 where it is frozen; M v' = force; z' in stateDerivatives (0 where frozen).
 struct Field {
-  std::string name;  // "f_ODE", "f_aux,floor-"
+  std::string name;  // "f_ODE", "f_aux,n - f_aux,t"; with the contact in parentheses where there are several
   int contact = -1;  // −1: f_ODE
   double side = 0;   // −1: v_t > 0, +1: v_t < 0, 0: frictionless
   bool timeRuns = false;
