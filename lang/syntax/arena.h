@@ -68,6 +68,7 @@ public:
     static_assert(std::is_trivially_copyable_v<T>);
     if (empty())
       return {};
+    // NOLINTNEXTLINE(bugprone-sizeof-expression): T may be a pointer
     T *data = static_cast<T *>(arena.allocate(size() * sizeof(T), alignof(T)));
     std::uninitialized_copy_n(stack_.begin() + static_cast<std::ptrdiff_t>(base_), count_, data);
     return {data, static_cast<std::uint32_t>(size())};
