@@ -13,8 +13,10 @@ struct Header {
   std::uint64_t mark;
   std::uint64_t size;         // of everything
   std::uint64_t fingerprint;  // of model and parameters
+  std::uint64_t checksum;     // of everything after the header
 };
 
+constexpr std::uint64_t hashStart = 0xcbf29ce484222325u;
 constexpr std::uint64_t stateMark = 0x3153544154534654u;  // "TFSTATS1"
 
 // FNV-1a.
@@ -26,7 +28,7 @@ std::uint64_t hashBytes(std::uint64_t hash, const void *data, std::size_t size) 
 }
 
 std::uint64_t fingerprint(const ModelInstance &instance) {
-  const std::uint64_t hash = hashBytes(0xcbf29ce484222325u, instance.model().hash, std::strlen(instance.model().hash));
+  const std::uint64_t hash = hashBytes(hashStart, instance.model().hash, std::strlen(instance.model().hash));
   return hashBytes(hash, instance.parameters().data(), instance.parameters().size_bytes());
 }
 
@@ -45,10 +47,9 @@ std::size_t savedStateSize(const InputSignals &inputs, const Simulation &simulat
 
 // Header, constants of inputs (NaN: not a constant), state of the simulation.
 void saveState(const ModelInstance &instance, const InputSignals &inputs, const Simulation &simulation, void *buffer) {
-  const Header header{stateMark, savedStateSize(inputs, simulation), fingerprint(instance)};
-  auto *out = static_cast<unsigned char *>(buffer);
-  std::memcpy(out, &header, sizeof header);
-  out += sizeof header;
+  Header header{stateMark, savedStateSize(inputs, simulation), fingerprint(instance), 0};
+  auto *const contents = static_cast<unsigned char *>(buffer) + sizeof header;
+  auto *out = contents;
   for (std::int32_t i = 0; i < inputs.count(); ++i) {
     const double value = inputs.constant(i).value_or(std::numeric_limits<double>::quiet_NaN());
     std::memcpy(out, &value, sizeof value);
@@ -57,6 +58,8 @@ void saveState(const ModelInstance &instance, const InputSignals &inputs, const 
   auto state = alignedMemory(simulation.stateSize());
   simulation.save(state.data());
   std::memcpy(out, state.data(), simulation.stateSize());
+  header.checksum = hashBytes(hashStart, contents, header.size - sizeof header);
+  std::memcpy(buffer, &header, sizeof header);
 }
 
 Outcome<void> restoreState(const ModelInstance &instance, InputSignals &inputs, Simulation &simulation, const void *buffer,
@@ -65,11 +68,13 @@ Outcome<void> restoreState(const ModelInstance &instance, InputSignals &inputs, 
   const auto *in = static_cast<const unsigned char *>(buffer);
   if (in != nullptr && size >= sizeof header)
     std::memcpy(&header, in, sizeof header);
-  if (header.mark != stateMark || header.size > size)
+  if (header.mark != stateMark || header.size > size || header.size < sizeof header)
     return Failure{"this is not a saved state"};
   if (header.size != savedStateSize(inputs, simulation) || header.fingerprint != fingerprint(instance))
     return Failure{"the state is of another model or of other parameters"};
   in += sizeof header;
+  if (header.checksum != hashBytes(hashStart, in, header.size - sizeof header))
+    return Failure{"the saved state is damaged"};
   for (std::int32_t i = 0; i < inputs.count(); ++i) {
     double value = 0;
     std::memcpy(&value, in, sizeof value);

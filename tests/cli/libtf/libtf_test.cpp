@@ -98,6 +98,9 @@ TEST(LibTf, RefusesStatesOfOtherRuns) {
   EXPECT_EQ(text(heavy), "the state is of another model or of other parameters");
   EXPECT_EQ(tf_restore_state(box.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
   EXPECT_EQ(tf_restore_state(particle.get(), state.data(), state.size() - 1), TF_BAD_ARGUMENT);
+  state.back() = static_cast<char>(state.back() + 1);
+  EXPECT_EQ(tf_restore_state(particle.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "the saved state is damaged");
   state[0] = 'x';
   EXPECT_EQ(tf_restore_state(particle.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
   EXPECT_EQ(text(particle), "this is not a saved state");
