@@ -59,18 +59,29 @@ private:
   std::vector<ModelInstance::Reference> references_;
 };
 
+// Boolean quantities take relations, all others numbers.
+void checkType(const flat::Expr &typed, const std::string &name, const ModelInstance &instance, Diagnostics &diagnostics) {
+  const auto reference = instance.find(name);
+  const bool wantsBoolean = reference && (instance.model().variables[reference->variable].flags & TF_BOOLEAN) != 0;
+  const bool isBoolean = typed.type.base == flat::Base::Boolean;
+  if (wantsBoolean != isBoolean)
+    diagnostics.report(diag::SettingType, typed.span, name, wantsBoolean ? "Boolean" : "Real", isBoolean ? "Boolean" : "Real");
+}
+
 }  // namespace
 
 std::optional<InputExpression> InputExpression::parse(const std::string &name, const std::string &text, const ModelInstance &instance,
                                                       double startTime, double horizon, Session &session) {
   Diagnostics &diagnostics = session.diagnostics;
   const int errors = diagnostics.errorCount();
-  const FileId file = session.sources.add("--set " + name, text);
+  const FileId file = session.sources.add(kSettingPrefix + name, text);
   Scope scope(instance);
   const flat::ExprPtr typed = typeExpression(
       session.sources, file, [&](const std::string &variable) { return scope.resolve(variable); }, scope.parameterNames(), diagnostics);
-  if (typed)
+  if (typed) {
     scope.check(*typed, diagnostics);
+    checkType(*typed, name, instance, diagnostics);
+  }
   if (!typed || diagnostics.errorCount() > errors)
     return std::nullopt;
 

@@ -161,9 +161,9 @@ struct RunSyntax : Syntax {
     option("--events", events, "both|after", "rows of the result at an event: before and after it, or after it [both]");
     option("-o,--output", output, "FILE", "result: .csv or .json");
     option("--event-log", eventLog, "FILE.csv", "one row for each event");
-    app->add_flag("--quiet", quiet, "no summary, no progress");
-    app->add_flag("--verbose", verbose, "more about the run: every event, the integrator's work");
-    app->add_flag("--no-cache", noCache, "neither use nor store compiled code");
+    app->add_flag("--quiet", quiet, "no summary, no progress")->disable_flag_override();
+    app->add_flag("--verbose", verbose, "more about the run: every event, the integrator's work")->disable_flag_override();
+    app->add_flag("--no-cache", noCache, "neither use nor store compiled code")->disable_flag_override();
   }
 
   Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog;
@@ -228,10 +228,11 @@ void reportUnknownOptions(const CLI::App &app, Diagnostics &diagnostics) {
   }
 }
 
-// CLI11 begins its messages with the option's name.
-std::string optionOf(const CLI::Error &error) {
+// CLI11 begins its messages with the option's name: "--stop-time: 1 required TEXT missing", "--quiet was given a disallowed flag override".
+void reportValueCount(const CLI::Error &error, Diagnostics &diagnostics) {
   const std::string text = error.what();
-  return text.substr(0, text.find(':'));
+  const bool isFlag = text.find("flag override") != std::string::npos;
+  diagnostics.report(isFlag ? diag::SuperfluousValue : diag::MissingValue, {}, text.substr(0, text.find_first_of(": ")));
 }
 
 void reportUnknownCommand(const CLI::App &app, Diagnostics &diagnostics) {
@@ -266,11 +267,8 @@ std::optional<CommandLine> parseCommandLine(int argc, const char *const *argv, D
   } catch (const CLI::Success &) {
     result.text = app.help();
     return result;
-  } catch (const CLI::ArgumentMismatch &error) {
-    diagnostics.report(diag::MissingValue, {}, optionOf(error));
-    return std::nullopt;
   } catch (const CLI::ParseError &error) {
-    diagnostics.report(diag::SuperfluousValue, {}, optionOf(error), error.what());
+    reportValueCount(error, diagnostics);
     return std::nullopt;
   }
 

@@ -1,11 +1,19 @@
 #include "compiler/driver/session.h"
 #include "compiler/driver/diagnostics.h"
+#include "lang/semantics/diagnostics.h"
 
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 
 namespace tf::driver {
+
+// The front end's diagnostics about expressions of `--set` and about a `--model` that is not there.
+bool Session::isOfCommandLine(const Diagnostic &diagnostic) const {
+  if (diagnostic.span.valid())
+    return sources.file(diagnostic.span.file).path().starts_with(kSettingPrefix);
+  return diagnostic.kind == &semantics::diag::UnknownModel;
+}
 
 int Session::exitCode() const {
   int code = kDone;
@@ -15,7 +23,7 @@ int Session::exitCode() const {
     const std::string_view family = std::string_view(diagnostic.kind->code).substr(0, 4);
     if (family == "TF09")
       return kRunFailed;
-    code = std::max<int>(code, family == "TF08" ? kCommandLineWrong : kModelWrong);
+    code = std::max<int>(code, family == "TF08" || isOfCommandLine(diagnostic) ? kCommandLineWrong : kModelWrong);
   }
   return code;
 }
@@ -28,7 +36,7 @@ void Session::print() const {
 bool printOut(std::string_view text, Session &session) {
   if (std::fwrite(text.data(), 1, text.size(), stdout) == text.size() && std::fflush(stdout) == 0)
     return true;
-  session.diagnostics.report(diag::CannotWrite, {}, fmt::format("standard output: {}", std::strerror(errno)));
+  session.diagnostics.report(diag::CannotWrite, {}, fmt::format("cannot write to the standard output: {}", std::strerror(errno)));
   return false;
 }
 

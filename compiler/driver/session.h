@@ -11,6 +11,9 @@ namespace tf::driver {
 // language.md section 6.
 enum ExitCode : int { kDone = 0, kModelWrong = 1, kCommandLineWrong = 2, kRunFailed = 3 };
 
+// Texts of `--set NAME=…` have the path "--set NAME".
+inline constexpr const char *kSettingPrefix = "--set ";
+
 struct Session {
   SourceManager sources;
   Diagnostics diagnostics;
@@ -19,6 +22,9 @@ struct Session {
   [[nodiscard]] int exitCode() const;
   // Writes all diagnostics to the standard error.
   void print() const;
+
+private:
+  [[nodiscard]] bool isOfCommandLine(const Diagnostic &diagnostic) const;
 };
 
 // Writes to the standard output, errors of which (a closed pipe, a full disk) are reported; false then.

@@ -152,13 +152,9 @@ Instantiation instantiateModel(const ModelOptions &options, const std::vector<Se
   front.libraries = libraryFolders(options);
   front.structuralOverrides = structuralOverrides(settings);
   Instantiation result = instantiate(session.sources, options.files, front, session.diagnostics);
-  if (!result.model && !session.diagnostics.hasErrors()) {
-    const std::string files = fmt::format("{}", fmt::join(options.files, "', '"));
-    if (result.candidates.empty())
-      session.diagnostics.report(diag::NoModel, {}, files);
-    else
-      session.diagnostics.report(diag::SeveralModels, {}, files, fmt::format("{}", fmt::join(result.candidates, ", ")));
-  }
+  if (!result.model && !session.diagnostics.hasErrors())
+    session.diagnostics.report(diag::SeveralModels, {}, fmt::format("{}", fmt::join(options.files, "', '")),
+                               fmt::format("{}", fmt::join(result.candidates, ", ")));
   return result;
 }
 
