@@ -85,6 +85,55 @@ TEST(LibTf, RestoringTakesInputsBack) {
   EXPECT_EQ(first, second);
 }
 
+struct Continued {
+  const tf_model *model;
+  tf_integrator integrator;
+};
+
+class LibTfContinuation : public testing::TestWithParam<Continued> {};
+
+// From states saved in flight, in contact and in sliding modes, in the same and in a new simulation.
+TEST_P(LibTfContinuation, IsBitIdentical) {
+  const tf_model &model = *GetParam().model;
+  const Owned run = create(model), fresh = create(model);
+  for (const Owned *simulation : {&run, &fresh}) {
+    ASSERT_EQ(tf_set_integrator(simulation->get(), GetParam().integrator), TF_OK);
+    ASSERT_EQ(tf_set_tolerance(simulation->get(), 1e-7), TF_OK);
+    ASSERT_EQ(tf_initialise(simulation->get(), 0), TF_OK) << text(*simulation);
+  }
+  std::vector<double> first(static_cast<std::size_t>(model.variable_count)), again(first.size());
+  std::vector<char> state(tf_state_size(run.get()));
+  for (double time = 0; time < 1.9; time += 0.3) {
+    ASSERT_EQ(tf_step(run.get(), time), TF_OK) << text(run);
+    ASSERT_EQ(tf_save_state(run.get(), state.data(), state.size()), TF_OK) << text(run);
+    ASSERT_EQ(tf_step(run.get(), time + 0.7), TF_OK) << text(run);
+    ASSERT_EQ(tf_get_all(run.get(), first.data()), TF_OK);
+    for (const Owned *simulation : {&fresh, &run}) {
+      ASSERT_EQ(tf_restore_state(simulation->get(), state.data(), state.size()), TF_OK) << text(*simulation);
+      EXPECT_EQ(tf_time(simulation->get()), time);
+      ASSERT_EQ(tf_step(simulation->get(), time + 0.7), TF_OK) << text(*simulation);
+      ASSERT_EQ(tf_get_all(simulation->get(), again.data()), TF_OK);
+      EXPECT_EQ(first, again) << "from " << time;
+    }
+    ASSERT_EQ(tf_restore_state(run.get(), state.data(), state.size()), TF_OK);
+  }
+}
+
+std::vector<Continued> continuedRuns() {
+  std::vector<Continued> runs;
+  for (const tf_model *model : {&test::particleModel(), &test::beltModel(), &test::relayModel(), &test::rodModel(), &test::boxModel()})
+    for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_CVODE, TF_EXPLICIT})
+      runs.push_back({model, integrator});
+  return runs;
+}
+
+std::string nameOfRun(const testing::TestParamInfo<Continued> &run) {
+  const char *const integrators[] = {"Auto", "Step", "Cvode", "Explicit"};
+  return std::string(run.param.model->name) + integrators[run.param.integrator];
+}
+
+INSTANTIATE_TEST_SUITE_P(All, LibTfContinuation, testing::ValuesIn(continuedRuns()), nameOfRun);
+
 TEST(LibTf, RefusesStatesOfOtherRuns) {
   const Owned particle = create(test::particleModel()), heavy = create(test::particleModel()), box = create(test::boxModel());
   ASSERT_EQ(tf_set(heavy.get(), "m", 5), TF_OK);
