@@ -51,8 +51,8 @@ llvm::Function *createFunction(llvm::Module &module, const llvm::Twine &name, bo
 // The steps of units within one LLVM function.
 class UnitEmitter {
 public:
-  UnitEmitter(const ir::Function &function, const ir::Graph &graph, const CodePlan &plan, llvm::Function *target)
-      : function_(function), graph_(graph), plan_(plan), builder_(llvm::BasicBlock::Create(target->getContext(), "entry", target)),
+  UnitEmitter(const ir::Graph &graph, const CodePlan &plan, llvm::Function *target)
+      : graph_(graph), plan_(plan), builder_(llvm::BasicBlock::Create(target->getContext(), "entry", target)),
         expressions_(graph, builder_, target->getArg(0)), outputs_(target->getArg(1)) {}
 
   llvm::IRBuilder<> &builder() { return builder_; }
@@ -146,7 +146,6 @@ private:
     return builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), buffer, static_cast<unsigned>(store.position));
   }
 
-  const ir::Function &function_;
   const ir::Graph &graph_;
   const CodePlan &plan_;
   llvm::IRBuilder<> builder_;
@@ -164,7 +163,7 @@ llvm::Function *emitPiece(const ir::Function &function, const ir::Graph &graph, 
                           llvm::Module &module) {
   llvm::Function *piece = createFunction(module, function.name + "." + llvm::Twine(index), false, true);
   piece->addFnAttr(llvm::Attribute::NoInline);
-  UnitEmitter emitter(function, graph, plan, piece);
+  UnitEmitter emitter(graph, plan, piece);
   emitter.setSlots(piece->getArg(2));
   emitter.emit(plan.units[index]);
   emitter.builder().CreateRetVoid();
@@ -188,7 +187,7 @@ template <class Body> void guarded(llvm::IRBuilder<> &builder, llvm::Function *t
 
 llvm::Function *emitFunction(const ir::Function &function, const ir::Graph &graph, const CodePlan &plan, llvm::Module &module) {
   llvm::Function *target = createFunction(module, function.name, true, false);
-  UnitEmitter emitter(function, graph, plan, target);
+  UnitEmitter emitter(graph, plan, target);
   llvm::IRBuilder<> &builder = emitter.builder();
   llvm::Value *slots = nullptr;
   if (plan.isSplit)

@@ -88,7 +88,7 @@ class RandomFunctions : public ::testing::TestWithParam<unsigned> {};
 TEST_P(RandomFunctions, InMemoryAndSharedEqualTheInterpreterBitForBit) {
   const unsigned seed = GetParam();
   const int groups = static_cast<int>(seed % 4);
-  const Compiled compiled = randomFunction(seed, seed % 5 == 0 ? 3000 : 150, groups);
+  const Compiled compiled = randomFunction(seed, seed % 5 == 0 ? 1500 : 150, groups);
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform(-2, 2);
   for (const int optimization : {0, 1, 2, 3}) {
@@ -111,7 +111,7 @@ TEST_P(RandomFunctions, InMemoryAndSharedEqualTheInterpreterBitForBit) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomFunctions, ::testing::Range(0U, 20U));
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomFunctions, ::testing::Range(0U, 12U));
 
 class GeneratedCode : public ::testing::Test {
 protected:
@@ -219,8 +219,8 @@ TEST_F(GeneratedCode, SquareRootIsAnInstructionAndCallsNeedNoStub) {
 
 TEST(GeneratedFiles, TheSameInputGivesTheSameBytes) {
   for (const EmitKind kind : {EmitKind::LlvmIr, EmitKind::Assembly, EmitKind::Object, EmitKind::SharedLibrary}) {
-    const Compiled first = randomFunction(5, 3000, 3);
-    const Compiled second = randomFunction(5, 3000, 3);
+    const Compiled first = randomFunction(5, 1000, 3);
+    const Compiled second = randomFunction(5, 1000, 3);
     EXPECT_TRUE(emit(first.source(), kind, {2, "h"}) == emit(second.source(), kind, {2, "h"})) << static_cast<int>(kind);
   }
 }
