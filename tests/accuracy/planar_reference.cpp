@@ -343,7 +343,7 @@ private:
       // Samples stand at the ends of pieces; a piece is short against a turn of the body.
       const std::size_t next = solution_.samples.size();
       const Number target = next < grid_.size() ? std::min(end, static_cast<Number>(grid_[next])) : end;
-      if (gaussUntil<6>(rhs, stop, t_, y_, target, Number(0.004))) {
+      if (gaussUntil<6>(rhs, stop, t_, y_, target, Number(0.01))) {
         const int openNow = openCorners();
         cause_ = distance(y_).second;
         if (++solution_.events > kMostEvents || (solution_.events > 3 && t_ - lastEvent_ < Number(1e-6)) || !settle()) {

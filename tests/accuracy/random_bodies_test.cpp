@@ -26,7 +26,18 @@ std::vector<RandomBox> randomBoxes(int count) {
   return boxes;
 }
 
-FloorSolution referenceOf(const RandomBox &box, const std::vector<double> &grid) {
+const std::vector<double> &sampleTimes() {
+  static const std::vector<double> times = [] {
+    std::vector<double> grid;
+    for (int i = 1; i <= 80; ++i) {
+      grid.push_back(0.025 * i + 1e-4);
+    }
+    return grid;
+  }();
+  return times;
+}
+
+FloorSolution referenceOf(const RandomBox &box) {
   const Number a = box.a, b = box.b;
   const FloorBody body{.mass = 1,
                        .inertia = (a * a + b * b) / 12,
@@ -34,22 +45,19 @@ FloorSolution referenceOf(const RandomBox &box, const std::vector<double> &grid)
                        .g = Number(9.81),
                        .corners = {{-a / 2, -b / 2}, {a / 2, -b / 2}, {a / 2, b / 2}, {-a / 2, b / 2}},
                        .start = {0, 1, box.phi, box.vx, box.vy, box.w}};
-  return solve(body, grid);
+  return solve(body, sampleTimes());
 }
 
 class RandomBoxes : public testing::TestWithParam<tf_integrator> {};
 
 TEST_P(RandomBoxes, FollowTheReference) {
-  std::vector<double> grid;
-  for (int i = 1; i <= 80; ++i) {
-    grid.push_back(0.025 * i + 1e-4);
-  }
+  const std::vector<double> &grid = sampleTimes();
   constexpr std::array kVariables = {"r[1]", "r[2]", "phi", "der(r[1])", "der(r[2])", "der(phi)"};
   CompiledModel model(example("falling_box.tf"));
   model.tolerance(1e-10).integrator(GetParam());
   int number = 0, whole = 0, reversals = 0, sticks = 0;
   for (const RandomBox &box : randomBoxes(40)) {
-    const FloorSolution exact = referenceOf(box, grid);
+    const FloorSolution exact = referenceOf(box);
     whole += exact.validUntil >= grid.back();
     reversals += exact.reversals;
     sticks += exact.sticks;

@@ -97,7 +97,7 @@ TEST(TimeFreezing, NumericalTimeOfAnImpactWithSlip) {
   const double Dnn = 1 + c * c / J, Dnt = -c * c / J, Ds = Dnn - 0.3 * Dnt;
   model.advance(hit + 1e-3);
   EXPECT_NEAR(model["tau"] - model["time"], 9.81 * hit / Ds, kExact * 10);
-  EXPECT_NEAR(model["der(phi)"], -(c - 0.3 * c) / J * 9.81 * hit / Ds, kExact * 100);
+  EXPECT_NEAR(model["der(phi)"], -(c + 0.3 * c) / J * 9.81 * hit / Ds, kExact * 100);
 }
 
 TEST(TimeFreezing, SlipReversalInsideAnImpact) {
