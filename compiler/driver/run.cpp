@@ -94,11 +94,12 @@ public:
     }
     rows_.point();
     const tf_status status = started == TF_OK ? advance() : started;
+    const std::string failure = tf_error_text(simulation_);
     rows_.finish();
     report_.isTerminated = status == TF_TERMINATED;
     report_.times.simulate = cpuTime() - initialised;
     if (status != TF_OK && status != TF_TERMINATED)
-      session_.diagnostics.report(diag::RunFailed, {}, tf_error_text(simulation_));
+      session_.diagnostics.report(diag::RunFailed, {}, failure);
     if (!rows_.error().empty())
       session_.diagnostics.report(diag::WritingFailed, {}, number(tf_time(simulation_)), rows_.error());
     return !session_.diagnostics.hasErrors();
