@@ -5,7 +5,7 @@ panel "The chain every 0.02 s"
 equal
 x "x in m"
 y "y in m"
-outline chain.csv 0.02 "node[1,1]" "node[1,2]" "node[2,1]" "node[2,2]" "node[3,1]" "node[3,2]" "node[4,1]" "node[4,2]"
+outline chain.csv 0.02 "r[1]" "r[2]" "node[2,1]" "node[2,2]" "node[3,1]" "node[3,2]" "node[4,1]" "node[4,2]"
 horizontal 0
 panel "Angles"
 x "t in s"
