@@ -47,7 +47,7 @@ ExprPtr typeShapedBinding(Context &context, const Binding &binding, bool isEach,
   const std::vector<int> covered(dims.begin() + std::min<std::ptrdiff_t>(binding.outerDims, static_cast<std::ptrdiff_t>(dims.size())),
                                  dims.end());
   const std::vector<int> &given = value->type.dims;
-  if (isEach && dims.empty())
+  if (isEach && dims.empty() && !binding.isWithinArray)
     context.diagnostics.report(diag::EachOnScalar, binding.span, name);
   if (isEach ? !isSuffix(given, covered) : given != covered) {
     if (given.empty() && !isEach)

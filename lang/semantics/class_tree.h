@@ -37,6 +37,7 @@ struct Binding {
   Class *scope = nullptr;  // where its names are looked up
   Span span;               // of the modification
   bool isEach = false;
+  bool isWithinArray = false;  // an array around the modified component was split: `each` may refer to that one
   int outerDims = 0;
   std::vector<Projection> projections;
 };
@@ -135,11 +136,12 @@ struct Component {
   Progress conditionProgress = Progress::Fresh;
   Progress bindingProgress = Progress::Fresh;
   Progress valueProgress = Progress::Fresh;
-  bool isPresent = true;       // its condition holds
-  bool isFailed = false;       // an error was reported about its type or dimensions
-  Class *type = nullptr;       // template
-  Class *leaf = nullptr;       // of a variable or element: its elaborated type
-  Component *inner = nullptr;  // what an outer component stands for
+  bool isPresent = true;        // its condition holds
+  bool isFailed = false;        // an error was reported about its type or dimensions
+  Class *type = nullptr;        // template
+  Class *leaf = nullptr;        // of a variable or element: its elaborated type
+  Component *inner = nullptr;   // what an outer component stands for
+  Component *sameAs = nullptr;  // the first of several inherited declarations that are the same
   std::vector<int> dimensions;
   std::vector<Class *> instances;  // of a composite: one per array element, row-major
   flat::VariableId variable = -1;

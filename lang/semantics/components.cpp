@@ -238,6 +238,8 @@ bool resolve(Context &context, Component &component) {
 }
 
 Component *actual(Context &context, Component &component) {
+  if (component.sameAs != nullptr)
+    return actual(context, *component.sameAs);
   if (component.element == nullptr || !component.element->isOuter)
     return &component;
   if (component.inner != nullptr)

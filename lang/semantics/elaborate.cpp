@@ -363,6 +363,8 @@ private:
       const bool isSame =
           first.element != nullptr && member.element != nullptr &&
           (first.element == member.element || context_.sources.text(first.element->span) == context_.sources.text(member.element->span));
+      if (isSame && member.component != nullptr && member.component != first.component)
+        member.component->sameAs = first.component;
       if (!isSame)
         context_.diagnostics.report(diag::DeclaredTwice, member.span, member.name).note(first.span, "first declared here");
     }

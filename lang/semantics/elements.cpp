@@ -83,7 +83,7 @@ ExprPtr shaped(Context &context, const Component &element, const AttributeSpec &
   const std::vector<int> &given = value->type.dims;
   std::vector<int> shape = given;
   if (binding.isEach) {
-    if (dims.empty())
+    if (dims.empty() && !binding.isWithinArray)
       context.diagnostics.report(diag::EachOnScalar, modifier.span, spec.name);
   } else {
     if (given.size() < covered.size()) {

@@ -3,10 +3,12 @@
 #include "lang/semantics/components.h"
 #include "lang/semantics/diagnostics.h"
 #include "lang/semantics/elements.h"
+#include "lang/semantics/lookup.h"
 #include "lang/semantics/text.h"
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
+#include <set>
 
 namespace tf::semantics {
 
@@ -31,12 +33,20 @@ private:
   // Makes the variables and elements, in the order of their declarations.
   void declare(Class &instance, int depth) {
     instances_.push_back(&instance);
+    checkAllImports(instance);
     if (depth > kMaximumNesting)
       return;
     // By position: the vector may grow while types are looked up.
     for (std::size_t i = 0; i < instance.members.size() && !context_.isOverLimit; ++i)
       if (Component *component = instance.members[i].component)
         declareComponent(*component, depth);
+  }
+
+  void checkAllImports(const Class &instance) {
+    if (instance.definition != nullptr && checkedImports_.insert(instance.definition).second)
+      checkImports(context_, instance);
+    for (const Class *base : instance.bases)
+      checkAllImports(*base);
   }
 
   void declareComponent(Component &component, int depth) {
@@ -142,7 +152,7 @@ private:
     if (!component.dimensions.empty() && !isEach && !isInherited)
       context_.diagnostics.report(diag::ScalarWithoutEach, value->span, child.name, toString({Base::String, component.dimensions}),
                                   toString(value->type));
-    if (component.dimensions.empty() && isEach)
+    if (component.dimensions.empty() && isEach && !child.binding->isWithinArray)
       context_.diagnostics.report(diag::EachOnScalar, child.span, child.name);
     return value->text;
   }
@@ -215,6 +225,7 @@ private:
   Context &context_;
   std::vector<Class *> instances_;
   std::vector<Component *> leaves_;
+  std::set<const ast::ClassDefinition *> checkedImports_;
   std::vector<flat::VariableId> declared_;
 };
 

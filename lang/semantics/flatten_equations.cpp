@@ -6,6 +6,7 @@
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
+#include <set>
 
 namespace tf::semantics {
 
@@ -13,12 +14,15 @@ namespace {
 
 class EquationFlattening {
 public:
+  using Visited = std::set<const ast::ClassDefinition *>;
+
   EquationFlattening(Context &context, Class &scope) : context_(context), scope_(scope) {}
 
-  void run() {
+  // The equations of a class that is inherited twice are taken once (MLS 7.1).
+  void run(Visited &visited) {
     for (Class *base : scope_.bases)
-      EquationFlattening(context_, *base).run();
-    if (scope_.definition == nullptr)
+      EquationFlattening(context_, *base).run(visited);
+    if (scope_.definition == nullptr || !visited.insert(scope_.definition).second)
       return;
     for (const ast::Section &section : scope_.definition->sections) {
       switch (section.kind) {
@@ -29,15 +33,15 @@ public:
         break;
       case ast::SectionKind::Algorithm:
       case ast::SectionKind::InitialAlgorithm:
-        context_.diagnostics.report(diag::NotSupported, section.span, "an algorithm section in a model");
+        context_.diagnostics.report(diag::NotSupported, keyword(section.span, 9), "an algorithm section in a model");
         break;
       case ast::SectionKind::Constraint:
-        context_.diagnostics.report(diag::NotSupported, section.span, "a constraint section");
+        context_.diagnostics.report(diag::NotSupported, keyword(section.span, 10), "a constraint section");
         break;
       }
     }
     if (scope_.definition->external != nullptr)
-      context_.diagnostics.report(diag::NotSupported, scope_.definition->external->span, "an external declaration in a model");
+      context_.diagnostics.report(diag::NotSupported, keyword(scope_.definition->external->span, 8), "an external declaration in a model");
     for (flat::Equation &equation : target_.equations)
       context_.model.equations.push_back(std::move(equation));
     for (flat::Assertion &assertion : target_.assertions)
@@ -303,7 +307,7 @@ private:
     if (name == "assert")
       addAssertion(*call, locals, out);
     else
-      notSupported(callee.span, fmt::format("'{}' as an equation", context_.sources.text(callee.span)), out);
+      notSupported(callee.span, fmt::format("'{}'", context_.sources.text(callee.span)), out);
   }
 
   void addAssertion(const ast::Expr &call, const Locals *locals, Collected &out) {
@@ -351,6 +355,9 @@ private:
 
 }  // namespace
 
-void flattenEquations(Context &context, Class &scope) { EquationFlattening(context, scope).run(); }
+void flattenEquations(Context &context, Class &scope) {
+  EquationFlattening::Visited visited;
+  EquationFlattening(context, scope).run(visited);
+}
 
 }  // namespace tf::semantics

@@ -165,6 +165,28 @@ Class *lookupClass(Context &context, Class &scope, const ast::Reference &referen
   }
 }
 
+void checkImports(Context &context, const Class &scope) {
+  for (const ast::Import *import : scope.imports) {
+    Class *container = nullptr;
+    const auto &parts = import->name.parts;
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const ast::Name &name = parts[i].name;
+      const Found found = i == 0 ? lookupRoot(context, name.text, Files::Search) : lookupMember(context, *container, name.text);
+      if (!found) {
+        reportUnknownClass(context, *context.root, import->name, i, container);
+        break;
+      }
+      container = found.type;
+      if (container == nullptr)
+        break;
+    }
+    for (const ast::Name &name : import->names)
+      if (container != nullptr && !lookupMember(context, *container, name.text) && !container->isFailed)
+        context.diagnostics.report(diag::UnknownClassMember, name.span, name.text, container->name)
+            .suggest(name.text, memberNames(context, *container));
+  }
+}
+
 Class *lookupQualified(Context &context, std::string_view dottedName) {
   Found found;
   bool isFirst = true;

@@ -32,6 +32,9 @@ enum class Files : std::uint8_t { Search, Ignore };
 // A dotted name from the root, as `--model` and `import` have it. Null if there is none: not reported.
 [[nodiscard]] Class *lookupQualified(Context &context, std::string_view dottedName);
 
+// Reports imports of a class that lead nowhere.
+void checkImports(Context &context, const Class &scope);
+
 // Names visible from `scope`, for suggestions.
 [[nodiscard]] std::vector<std::string> visibleNames(Context &context, Class &scope);
 [[nodiscard]] std::vector<std::string> memberNames(Context &context, Class &scope);

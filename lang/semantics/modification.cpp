@@ -49,7 +49,7 @@ public:
     if (target.node.binding)
       reportTwice(target.node.name, modification.value->span, target.node.binding->span);
     else
-      target.node.binding = Binding{modification.value, scope_, modification.value->span, isEach, 0, {}};
+      target.node.binding = Binding{modification.value, scope_, modification.value->span, isEach, false, 0, {}};
   }
 
   void addRedeclaration(Draft &target, const ast::ComponentClause *clause, const ast::Component *component,
@@ -187,20 +187,36 @@ template <class Change> ModifierPtr mapBindings(const ModifierPtr &modifier, con
 
 }  // namespace
 
+namespace {
+
+void splitBinding(Binding &binding, const std::vector<int> &index) {
+  if (binding.outerDims < static_cast<int>(index.size()))
+    binding.projections.push_back({{index.begin() + binding.outerDims, index.end()}, {}});
+}
+
+// Below the elements of the array: `each` keeps its value whole.
+ModifierPtr splitNested(const ModifierPtr &modifier, const std::vector<int> &index) {
+  if (modifier->isEach)
+    return mapBindings(modifier, [](Binding &binding) { binding.isWithinArray = true; });
+  auto copy = std::make_shared<Modifier>(*modifier);
+  if (copy->binding)
+    splitBinding(*copy->binding, index);
+  for (ModifierPtr &child : copy->children)
+    child = splitNested(child, index);
+  return copy;
+}
+
+}  // namespace
+
 ModifierPtr splitForElement(const ModifierPtr &modifier, const std::vector<int> &index) {
   if (!modifier)
     return nullptr;
-  const auto split = [&](Binding &binding) {
-    if (binding.outerDims >= static_cast<int>(index.size()))
-      return;
-    binding.projections.push_back({{index.begin() + binding.outerDims, index.end()}, {}});
-  };
   auto copy = std::make_shared<Modifier>(*modifier);
   if (copy->binding && !copy->binding->isEach)
-    split(*copy->binding);
+    splitBinding(*copy->binding, index);
   for (ModifierPtr &child : copy->children) {
     if (!child->isEach) {
-      child = mapBindings(child, split);
+      child = splitNested(child, index);
       continue;
     }
     auto element = std::make_shared<Modifier>(*child);

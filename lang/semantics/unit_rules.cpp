@@ -1,4 +1,5 @@
-// Units that clash are warned about: sums, relations, branches, equations, declarations. Literals and variables without a unit take any.
+// Units that clash are warned about: sums, relations, branches, equations, declarations. Literals, the time and variables
+// without a unit take any.
 #include "lang/semantics/diagnostics.h"
 #include "lang/semantics/flatten.h"
 #include "lang/semantics/units.h"
@@ -88,11 +89,10 @@ private:
     switch (expr.kind) {
     case ExprKind::Literal:
     case ExprKind::Attribute:
+    case ExprKind::Time:
       return std::nullopt;
     case ExprKind::Variable:
       return ofVariable(expr.variable);
-    case ExprKind::Time:
-      return declared("s");
     case ExprKind::Unary:
     case ExprKind::Index:
       return of(expr.args[0]);

@@ -1,0 +1,7 @@
+// expect: ok
+package P
+  constant Real k = 1;
+  model M
+    Real x = k*time;
+  end M;
+end P;
