@@ -13,6 +13,9 @@ Tree &Tree::operator=(Tree &&) noexcept = default;
 
 namespace {
 
+// What has so many errors is no source, and every further one costs more than it tells.
+constexpr std::size_t mostErrors = 100;
+
 // The lexer runs before the parser: their diagnostics are merged in the order of the text.
 void append(const Diagnostics &local, std::uint32_t unreliableFrom, Diagnostics &diagnostics) {
   std::vector<std::pair<std::uint32_t, std::size_t>> order;
@@ -21,8 +24,11 @@ void append(const Diagnostics &local, std::uint32_t unreliableFrom, Diagnostics 
       order.emplace_back(begin, i);
   }
   std::sort(order.begin(), order.end());
-  for (const auto &[begin, i] : order)
-    diagnostics.add(local.all()[i]);
+  for (std::size_t k = 0; k < std::min(order.size(), mostErrors); ++k) {
+    Diagnostic &diagnostic = diagnostics.add(local.all()[order[k].second]);
+    if (k + 1 == mostErrors && order.size() > mostErrors)
+      diagnostic.note(diagnostic.span, fmt::format("{} more errors follow, which are not listed", order.size() - mostErrors));
+  }
 }
 
 }  // namespace

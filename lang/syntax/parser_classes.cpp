@@ -20,6 +20,7 @@ ast::File *Parser::parseFile() {
       continue;
     }
     const bool isFinal = accept(TokenKind::Final);
+    repairMisspelledClass();
     if (!atClass()) {
       complain(ExpectedClass, span(current()), describe(current()));
       skipToClass();
@@ -407,34 +408,6 @@ bool Parser::parseCompositionItem(ast::ClassDefinition &definition, ast::ListBui
   }
   elements.push(element);
   expectSemicolon();
-  return true;
-}
-
-// `equations` alone on its line: a word that is nearly a section's and not followed by the rest of a declaration.
-bool Parser::parseMisspelledSection(ast::ListBuilder<ast::Section> &sections, bool &isProtected) {
-  static const std::vector<std::string> words = {"equation", "algorithm", "public", "protected"};
-  const Token &token = current();
-  const Token &next = peek(1);
-  if (!at(TokenKind::Identifier) || !token.startsLine || !next.startsLine)
-    return false;
-  const std::string meant = nearest(text(token), words);
-  if (meant.empty() || next.kind == TokenKind::Dot)
-    return false;
-  const bool isSection = meant == "equation" || meant == "algorithm";
-  const TokenKind afterNext = peek(2).kind;
-  const bool continuesEquation = afterNext == TokenKind::Equal || afterNext == TokenKind::Assign || afterNext == TokenKind::Dot ||
-                                 afterNext == TokenKind::Plus || afterNext == TokenKind::Minus || afterNext == TokenKind::Times;
-  if (next.kind == TokenKind::Identifier && !(isSection ? continuesEquation : afterNext == TokenKind::Identifier))
-    return false;
-  complain(UnknownSection, span(token), text(token), meant);
-  tokens_[position_].kind = keyword(meant);
-  resume();
-  if (isSection)
-    sections.push(parseSection());
-  else {
-    isProtected = meant == "protected";
-    advance();
-  }
   return true;
 }
 

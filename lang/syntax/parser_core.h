@@ -159,7 +159,6 @@ private:
   void parseComposition(ast::ClassDefinition &definition);
   bool parseCompositionItem(ast::ClassDefinition &definition, ast::ListBuilder<ast::Element> &elements,
                             ast::ListBuilder<ast::Section> &sections, bool &isProtected);
-  bool parseMisspelledSection(ast::ListBuilder<ast::Section> &sections, bool &isProtected);
   void parseExternal(ast::ClassDefinition &definition);
   void parseClassAnnotation(ast::ClassDefinition &definition);
   void parseEndOfClass(ast::ClassDefinition &definition);
@@ -188,11 +187,18 @@ private:
   template <class Body> ast::Branch<Body> parseConditionalBranch();
   void expectHeadWord(TokenKind word);
   void expectEndOf(TokenKind block, const Token &opening, const Token *elseIf = nullptr);
-  bool atMisspelledElseif();
-  [[nodiscard]] bool atGluedEnd() const;
   [[nodiscard]] bool atEndOfBody() const;
   [[nodiscard]] bool atSection() const;
   [[nodiscard]] bool atConstraintSection() const;
+
+  // ---- misspellings
+  void replaceWord(TokenKind kind);
+  [[nodiscard]] bool typeAndNameFollow(std::size_t ahead, bool onOneLine) const;
+  void repairMisspelledPrefix();
+  void repairMisspelledClass();
+  bool parseMisspelledSection(ast::ListBuilder<ast::Section> &sections, bool &isProtected);
+  bool atMisspelledElseif();
+  [[nodiscard]] bool atGluedEnd() const;
 
   // Matches no token.
   static constexpr auto recoveryKind = static_cast<TokenKind>(255);
@@ -205,8 +211,9 @@ private:
   std::vector<Span> comments_;
   std::uint32_t unreliableFrom_;
   std::size_t position_ = 0;
-  std::size_t itemStart_ = 0;              // position of the first token of the element, equation or statement that is read
-  TokenKind kind_ = TokenKind::EndOfFile;  // of the current token; in recovery recoveryKind
+  std::size_t assumedCoordinate_ = SIZE_MAX;  // position of a misspelled `coordinate`
+  std::size_t itemStart_ = 0;                 // position of the first token of the element, equation or statement that is read
+  TokenKind kind_ = TokenKind::EndOfFile;     // of the current token; in recovery recoveryKind
   bool recovering_ = false;
   bool failedInMatrix_ = false;    // where recovery was entered
   bool foundEquation_ = false;     // recovery was entered at an equation among the declarations

@@ -74,27 +74,12 @@ void setPrefix(ast::ComponentClause &clause, TokenKind kind) {
 
 // `coordinate` is a prefix if after it come `["."] name [subscripts] IDENT`, otherwise a name (language reference, chapter 2).
 bool Parser::atCoordinatePrefix() const {
+  if (position_ == assumedCoordinate_)
+    return true;
   if (!atWord("coordinate"))
     return false;
-  if (typePrefixRank(peek(1).kind) != NoPrefix)
-    return true;  // an error either way, and this one is told better
-  std::size_t ahead = 1;
-  if (peek(ahead).kind == TokenKind::Dot)
-    ++ahead;
-  if (peek(ahead++).kind != TokenKind::Identifier)
-    return false;
-  while (peek(ahead).kind == TokenKind::Dot && peek(ahead + 1).kind == TokenKind::Identifier)
-    ahead += 2;
-  if (peek(ahead).kind == TokenKind::LeftBracket) {
-    int depth = 0;
-    do {
-      const TokenKind kind = peek(ahead++).kind;
-      if (kind == TokenKind::EndOfFile || kind == TokenKind::Semicolon)
-        return false;
-      depth += kind == TokenKind::LeftBracket ? 1 : kind == TokenKind::RightBracket ? -1 : 0;
-    } while (depth > 0);
-  }
-  return peek(ahead).kind == TokenKind::Identifier;
+  // Before another prefix it is an error either way, and as a conflict it is told better.
+  return typePrefixRank(peek(1).kind) != NoPrefix || typeAndNameFollow(1, false);
 }
 
 // Whether only a declaration can begin here.
@@ -149,7 +134,7 @@ ast::Element Parser::parseElement(bool isProtected) {
   } else if (at(TokenKind::Extends)) {
     element.kind = ast::ElementKind::Extends;
     element.extends = parseExtends();
-  } else if (atClass()) {
+  } else if (repairMisspelledClass(); atClass()) {
     element.kind = ast::ElementKind::Class;
     element.classDefinition = parseClass();
     parseConstraining(*element.classDefinition, element.isReplaceable, true);
@@ -224,6 +209,7 @@ void Parser::parseTypePrefix(ast::ComponentClause &clause) {
   std::optional<Token> last, coordinate;
   int lastRank = NoPrefix;
   while (true) {
+    repairMisspelledPrefix();
     const Token &token = current();
     const bool isCoordinate = atCoordinatePrefix();
     const int rank = isCoordinate ? VariabilityPrefix : typePrefixRank(kind_);
@@ -299,7 +285,10 @@ void Parser::parseComponents(ast::ComponentClause &clause, bool single) {
 ast::Component Parser::parseComponent(const ast::ComponentClause &clause, bool single) {
   ast::Component component;
   const std::uint32_t begin = here();
-  component.name = parseName("the name of a component");
+  if (at(TokenKind::Identifier) || clause.type.parts.empty())
+    component.name = parseName("the name of a component");
+  else
+    component.name = parseName(fmt::format("the name of a component of class '{}'", clause.type.parts[0].name.text));
   if (at(TokenKind::LeftBracket)) {
     component.hasSubscripts = true;
     component.subscripts = parseSubscripts();

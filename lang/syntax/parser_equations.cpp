@@ -87,25 +87,6 @@ ast::List<ast::Statement *> Parser::parseStatements() { return parseBody<ast::St
 
 // ---- blocks ----------------------------------------------------------------------------------------------------------------------
 
-// `elsif` and the like are read as `elseif`.
-bool Parser::atMisspelledElseif() {
-  if (openBlocks_.empty() || openBlocks_.back() != TokenKind::If || !(atWord("elsif") || atWord("elif") || atWord("elseIf")))
-    return false;
-  const TokenKind next = peek(1).kind;
-  if (next == TokenKind::Equal || next == TokenKind::Assign || next == TokenKind::Dot || next == TokenKind::LeftBracket)
-    return false;
-  complain(UnexpectedToken, span(current()), "'elseif'", describe(current()));
-  tokens_[position_].kind = TokenKind::Elseif;
-  resume();
-  return true;
-}
-
-// `endif`
-bool Parser::atGluedEnd() const {
-  return !openBlocks_.empty() && at(TokenKind::Identifier) && peek(1).kind == TokenKind::Semicolon && text(current()).starts_with("end") &&
-         text(current()).substr(3) == spelling(openBlocks_.back());
-}
-
 // `then` or `loop`. A broken head of a block does not take the block with it.
 void Parser::expectHeadWord(TokenKind word) {
   if (accept(word))

@@ -67,8 +67,9 @@ const std::vector<Case> cases = {
     {&UnexpectedToken, declaration("Real x @{y}@;"), "expected ';', got 'y'"},
     {&UnexpectedToken, declaration("Real x(start = 1 @{2}@);"), "expected ',' or ')', got '2'"},
     {&UnexpectedToken, equation("x = [1 @{2}@];"), "expected ',', ';' or ']', got '2'"},
-    {&UnexpectedToken, declaration("Real @{5}@;"), "expected the name of a component, got '5'"},
-    {&UnexpectedToken, declaration("Real@{}@\n  ;"), "expected the name of a component, got ';'"},
+    {&UnexpectedToken, declaration("Real @{5}@;"), "expected the name of a component of class 'Real', got '5'"},
+    {&UnexpectedToken, declaration("Real@{}@\n  ;"), "expected the name of a component of class 'Real', got ';'"},
+    {&UnexpectedToken, declaration("parameter m @{=}@ 1;"), "expected the name of a component of class 'm', got '='"},
     {&UnexpectedToken, equation("if x > 1@{}@\n    y = 2;\n  end if;"), "expected 'then', got 'y'"},
     {&UnexpectedToken, equation("for i in 1:3@{}@\n    y[i] = 2;\n  end for;"), "expected 'loop', got 'y'"},
     {&UnexpectedToken, equation("if a then\n    y = 2;\n  @{elsif}@ b then\n    y = 3;\n  end if;"), "expected 'elseif', got 'elsif'"},
@@ -178,6 +179,11 @@ const std::vector<Case> cases = {
     {&DerModifier, declaration("coordinate Real x(@{der}@ = 3);"), "'der' in a modification takes a list in parentheses, 'der(start = …)'"},
     {&LongClassInModifier, declaration("B b(redeclare model @{M}@ Real x; end M);"), "only a short class definition, 'M = …', can stand in a modification"},
     {&BreakOutsideExtends, declaration("B b(@{break}@ c);"), "'break' here is for the modification of an extends clause"},
+    {&UnknownWord, declaration("@{paramter}@ Real x = 1;"), "unknown word 'paramter'; did you mean 'parameter'?"},
+    {&UnknownWord, declaration("final @{cordinate}@ A.B[2] x(start = 1);"), "unknown word 'cordinate'; did you mean 'coordinate'?"},
+    {&UnknownWord, "@{modle}@ A\n  Real x;\nend A;\n", "unknown word 'modle'; did you mean 'model'?"},
+    {&UnknownWord, declaration("@{fucntion}@ f \"text\"\n    input Real x;\n  end f;"), "unknown word 'fucntion'; did you mean 'function'?"},
+    {&UnknownSection, declaration("Real x;\n@{intial equation}@\n  x = 1;"), "unknown section 'intial equation'; did you mean 'initial equation'?"},
     {&ShortOptimization, "optimization O @{=}@ P;\n", "an optimization class has no short form"},
 };
 // clang-format on

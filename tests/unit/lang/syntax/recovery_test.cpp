@@ -126,6 +126,16 @@ TEST(Recovery, LexicalAndSyntaxErrorsComeInTheOrderOfTheText) {
   EXPECT_THAT(codesAndLines(parsed), ElementsAre("TF0121:2", "TF0102:3", "TF0120:4", "TF0108:5"));
 }
 
+TEST(Recovery, OfVeryManyErrorsTheFirstAreListed) {
+  std::string text = "model A\nequation\n";
+  for (int i = 0; i < 1000; ++i)
+    text += "  x = ;\n";
+  const auto parsed = test::parse(text + "end A;\n");
+  ASSERT_EQ(parsed.diagnostics.errorCount(), 100);
+  ASSERT_EQ(parsed.diagnostics.all().back().notes.size(), 1U);
+  EXPECT_EQ(parsed.diagnostics.all().back().notes[0].message, "900 more errors follow, which are not listed");
+}
+
 TEST(Recovery, DeepNestingIsAnErrorAndNoOverflow) {
   for (const char *piece : {"(", "{", "[", "a[", "f(", "if a then ", "-(", "not (", "f(function g(a = "}) {
     std::string text = "model A\nequation\n  x = ";
