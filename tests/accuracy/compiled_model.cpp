@@ -49,8 +49,8 @@ const std::string &compiled(const std::string &file) {
   if (library.empty()) {
     const std::string out = workFolder().file("model" + std::to_string(libraries.size()) + ".so"),
                       log = workFolder().file("diagnostics.txt");
-    const std::string command =
-        "TFC_CACHE='" + workFolder().file("cache") + "' '" + TF_TFC + "' compile '" + file + "' -o '" + out + "' 2> '" + log + "'";
+    const std::string command = "env -u TFC_CACHE_DIR XDG_CACHE_HOME='" + workFolder().file("cache") + "' '" + TF_TFC + "' compile '" +
+                                file + "' -o '" + out + "' 2> '" + log + "'";
     if (std::system(command.c_str()) != 0) {
       throw std::runtime_error("tfc compile " + file + " failed:\n" + readText(log));
     }

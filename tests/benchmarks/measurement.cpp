@@ -22,7 +22,8 @@ double seconds(clockid_t clock) {
 }
 
 [[noreturn]] void becomeProgram(std::vector<char *> &arguments, const std::string &cache) {
-  setenv("TFC_CACHE", cache.c_str(), 1);
+  unsetenv("TFC_CACHE_DIR");
+  setenv("XDG_CACHE_HOME", cache.c_str(), 1);
   const int nowhere = open("/dev/null", O_RDWR);
   dup2(nowhere, STDIN_FILENO);
   dup2(nowhere, STDOUT_FILENO);

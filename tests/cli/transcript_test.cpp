@@ -50,6 +50,8 @@ std::vector<Recorded> allEntries() {
   return all;
 }
 
+std::string entryName(const testing::TestParamInfo<Recorded> &info) { return info.param.name; }
+
 class Transcripts : public testing::TestWithParam<Recorded> {};
 
 TEST_P(Transcripts, AnswersAsRecorded) {
@@ -57,8 +59,7 @@ TEST_P(Transcripts, AnswersAsRecorded) {
   EXPECT_EQ(answer(recorded.entry.command, recorded.file.parent_path()), recorded.entry.answer) << "$ " << recorded.entry.command;
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Transcripts, testing::ValuesIn(allEntries()),
-                         [](const testing::TestParamInfo<Recorded> &info) { return info.param.name; });
+INSTANTIATE_TEST_SUITE_P(All, Transcripts, testing::ValuesIn(allEntries()), entryName);
 
 TEST(BadInput, HasAtLeastSixtyCases) {
   std::set<std::string> commands;

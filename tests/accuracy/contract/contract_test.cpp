@@ -35,7 +35,8 @@ void PrintTo(const Case &c, std::ostream *stream) { *stream << c.data["name"]; }
 
 std::vector<Case> allCases() {
   std::vector<Case> cases;
-  for (const json &data : json::parse(readFile(kFolder / "cases.json"))["cases"]) {
+  const json file = json::parse(readFile(kFolder / "cases.json"));
+  for (const json &data : file["cases"]) {
     for (const bool isCompiled : {false, true}) {
       for (const char *integrator : {"step", "cvode", "auto"})
         cases.push_back({data, isCompiled, integrator});
