@@ -29,8 +29,9 @@ public:
           .suggest(first.text, visibleNames(context_, *typer_.scope().enclosing));
       return nullptr;
     }
+    isEnclosing_ = found.isEnclosing;
     if (found.component != nullptr)
-      return component(*found.component, 0, found.isEnclosing);
+      return component(*found.component, 0);
     return insideClass(*found.type, 0);
   }
 
@@ -55,7 +56,7 @@ private:
         context_.diagnostics.report(diag::UnknownClassMember, member.span, member.text, type.name).suggest(member.text, names);
       return nullptr;
     }
-    return found.component != nullptr ? component(*found.component, part + 1, true) : insideClass(*found.type, part + 1);
+    return found.component != nullptr ? component(*found.component, part + 1) : insideClass(*found.type, part + 1);
   }
 
   ExprPtr enumerationLiteral(const Class &type, int ordinal) {
@@ -67,8 +68,7 @@ private:
     return std::make_shared<const flat::Expr>(std::move(literal));
   }
 
-  // `isForeign`: found outside the instance, where only constants can be used (MLS 5.3.1).
-  ExprPtr component(Component &declared, std::size_t part, bool isForeign) {
+  ExprPtr component(Component &declared, std::size_t part) {
     Component *target = actual(context_, declared);
     if (target == nullptr)
       return nullptr;
@@ -81,11 +81,11 @@ private:
     if (!resolve(context_, *target))
       return nullptr;
     if (target->isLeaf())
-      return leaf(*target, part, isForeign);
-    return composite(*target, part, isForeign);
+      return leaf(*target, part);
+    return composite(*target, part);
   }
 
-  ExprPtr composite(Component &target, std::size_t part, bool isForeign) {
+  ExprPtr composite(Component &target, std::size_t part) {
     const auto chosen = subscripts(part, target.dimensions);
     if (!chosen)
       return nullptr;
@@ -93,21 +93,21 @@ private:
       context_.diagnostics.report(diag::ComponentAsValue, span_, target.path, target.type->name);
       return nullptr;
     }
-    return selectInstances(target, *chosen, 0, 0, part, isForeign);
+    return selectInstances(target, *chosen, 0, 0, part);
   }
 
   // The member of every selected instance, stacked along the dimensions that are not dropped.
   ExprPtr selectInstances(Component &target, const std::vector<flat::Selection> &chosen, std::size_t dimension, std::size_t offset,
-                          std::size_t part, bool isForeign) {
+                          std::size_t part) {
     if (dimension == target.dimensions.size())
-      return member(*target.instances[offset], part + 1, isForeign);
+      return member(*target.instances[offset], part + 1);
     const auto size = static_cast<std::size_t>(target.dimensions[dimension]);
     std::vector<ExprPtr> parts;
     const bool isGiven = dimension < chosen.size();
     const std::size_t count = isGiven ? chosen[dimension].positions.size() : size;
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t position = isGiven ? static_cast<std::size_t>(chosen[dimension].positions[i] - 1) : i;
-      parts.push_back(selectInstances(target, chosen, dimension + 1, offset * size + position, part, isForeign));
+      parts.push_back(selectInstances(target, chosen, dimension + 1, offset * size + position, part));
       if (parts.back() == nullptr)
         return nullptr;
     }
@@ -119,7 +119,7 @@ private:
     return nullptr;
   }
 
-  ExprPtr member(Class &instance, std::size_t part, bool isForeign) {
+  ExprPtr member(Class &instance, std::size_t part) {
     const ast::Name &wanted = name(part);
     Member *found = instance.find(wanted.text);
     if (found == nullptr || found->component == nullptr) {
@@ -133,13 +133,17 @@ private:
           .note(found->span, "declared protected here");
       return nullptr;
     }
-    return component(*found->component, part, isForeign);
+    return component(*found->component, part);
   }
 
-  ExprPtr leaf(Component &target, std::size_t part, bool isForeign) {
+  ExprPtr leaf(Component &target, std::size_t part) {
     const auto chosen = subscripts(part, target.dimensions);
     if (!chosen)
       return nullptr;
+    if (target.leaf->predefined->isElement() && isEnclosing_) {
+      reportOutside(target, part);
+      return nullptr;
+    }
     if (target.leaf->predefined->isElement())
       return elementPart(target, *chosen, part);
     if (!isLast(part)) {
@@ -149,9 +153,8 @@ private:
     }
     if (variabilityOf(target) == Variability::Constant)
       return constant(target, *chosen);
-    if (isForeign && !target.path.empty() && isOutside(target)) {
-      context_.diagnostics.report(diag::NotAConstant, name(part).span, name(part).text)
-          .note(target.declaration->name.span, fmt::format("'{}' is declared here", name(part).text));
+    if (isEnclosing_ || isOutside(target)) {
+      reportOutside(target, part);
       return nullptr;
     }
     flat::Expr variable;
@@ -161,6 +164,16 @@ private:
     variable.variability = variabilityOf(target);
     variable.span = span_;
     return makeIndex(std::make_shared<const flat::Expr>(std::move(variable)), *chosen, span_);
+  }
+
+  void reportOutside(const Component &target, std::size_t part) {
+    const ast::ClassDefinition *container = target.container == nullptr ? nullptr : target.container->definition;
+    if (container != nullptr && container->restriction == ast::Restriction::Function) {
+      context_.diagnostics.report(diag::FunctionBody, span_, fmt::format("'{}' is read before it has a value", name(part).text));
+      return;
+    }
+    context_.diagnostics.report(diag::NotAConstant, name(part).span, name(part).text)
+        .note(target.declaration->name.span, fmt::format("'{}' is declared here", name(part).text));
   }
 
   // Whether the component is no part of the model's instance: it belongs to a package or to a class as such.
@@ -222,6 +235,7 @@ private:
   Context &context_;
   const ast::Reference &reference_;
   Span span_;
+  bool isEnclosing_ = false;  // found in an enclosing class, where only constants can be used (MLS 5.3.1)
 };
 
 }  // namespace
