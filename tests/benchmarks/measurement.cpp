@@ -8,6 +8,8 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -54,7 +56,7 @@ double cpuPerCall(const std::function<void()> &call) {
   return best;
 }
 
-double runProgram(const std::vector<std::string> &arguments, const std::string &cache) {
+ProgramTime runProgram(const std::vector<std::string> &arguments, const std::string &cache) {
   std::vector<std::string> copies = arguments;
   std::vector<char *> pointers;
   for (std::string &argument : copies) {
@@ -70,12 +72,14 @@ double runProgram(const std::vector<std::string> &arguments, const std::string &
     becomeProgram(pointers, cache);
   }
   int status = 0;
-  waitpid(child, &status, 0);
+  rusage usage{};
+  wait4(child, &status, 0, &usage);
   const double elapsed = wallSeconds() - start;
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0) {
     throw std::runtime_error(fmt::format("'{}' failed", fmt::join(arguments, " ")));
   }
-  return elapsed;
+  const auto cpu = [](const timeval &time) { return static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_usec); };
+  return {elapsed, cpu(usage.ru_utime) + cpu(usage.ru_stime)};
 }
 
 std::string compileModel(const Setup &setup, const std::string &file) {

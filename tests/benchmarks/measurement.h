@@ -38,9 +38,13 @@ struct Setup {
 // CPU time of one call in seconds: the least mean over several batches of about 20 ms.
 [[nodiscard]] double cpuPerCall(const std::function<void()> &call);
 
-// Runs a program (argv[0] is its path) without output; its wall time in seconds. Throws with its arguments if it does not exit with 0.
-// `cache`: the folder of compiled models that it uses.
-double runProgram(const std::vector<std::string> &arguments, const std::string &cache);
+struct ProgramTime {
+  double wall = 0, cpu = 0;  // seconds
+};
+
+// Runs a program (argv[0] is its path) without output. Throws with its arguments if it does not exit with 0. `cache`: the folder of
+// compiled models that it uses.
+ProgramTime runProgram(const std::vector<std::string> &arguments, const std::string &cache);
 
 // `tfc compile` of a file into a shared library in the work folder; its path.
 [[nodiscard]] std::string compileModel(const Setup &setup, const std::string &file);
