@@ -129,7 +129,8 @@ void ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   ++statistics.redundant;
   if (set.solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved)
     return;
-  // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found stays.
+  // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
+  // stays.
   const double violation = solver.certificate(set.forces(), set.accelerations());
   if (violation > std::max(10 * settings.degeneracy, solution.violation))
     return;

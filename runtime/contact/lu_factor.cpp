@@ -5,9 +5,31 @@
 
 namespace tf::runtime {
 
+// Sizes 1 and 2, one contact, are the most frequent by far: no loops.
+bool LuFactor::factorTwo(double singular) {
+  double *a = lu_.data();
+  pivot_[0] = std::abs(a[1]) > std::abs(a[0]) ? 1 : 0;
+  pivot_[1] = 1;
+  if (pivot_[0] == 1) {
+    std::swap(a[0], a[1]);
+    std::swap(a[2], a[3]);
+  }
+  if (!(std::abs(a[0]) > singular) || !std::isfinite(a[0]))
+    return false;
+  a[1] *= 1 / a[0];
+  a[3] -= a[1] * a[2];
+  return std::abs(a[3]) > singular && std::isfinite(a[3]);
+}
+
 bool LuFactor::factor(double singular) {
   const int n = lu_.rows();
+  if (n == 1) {
+    const double magnitude = std::abs(lu_(0, 0));
+    return magnitude > singular && std::isfinite(magnitude);
+  }
   pivot_.resize(n);
+  if (n == 2)
+    return factorTwo(singular);
   for (int k = 0; k < n; ++k) {
     double *columnK = lu_.column(k);
     int best = k;
@@ -37,6 +59,17 @@ bool LuFactor::factor(double singular) {
 
 void LuFactor::solve(double *b) const {
   const int n = lu_.rows();
+  if (n == 1) {
+    b[0] /= lu_(0, 0);
+    return;
+  }
+  if (n == 2) {
+    const double *a = lu_.data();
+    const double first = b[pivot_[0]];
+    b[1] = (b[1 - pivot_[0]] - a[1] * first) / a[3];
+    b[0] = (first - a[2] * b[1]) / a[0];
+    return;
+  }
   for (int k = 0; k < n; ++k)
     std::swap(b[k], b[pivot_[k]]);
   for (int k = 0; k < n; ++k) {

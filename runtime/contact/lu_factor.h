@@ -21,6 +21,8 @@ public:
   void solve(double *b) const;
 
 private:
+  bool factorTwo(double singular);
+
   DenseMatrix lu_;
   std::vector<int> pivot_;
 };

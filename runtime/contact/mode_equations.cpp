@@ -1,7 +1,5 @@
 #include "runtime/contact/mode_equations.h"
 
-#include <algorithm>
-
 namespace tf::runtime {
 
 void ModeEquations::setMode(const ContactRowData &rows, const std::uint8_t *active, const std::int8_t *slip) {
@@ -10,11 +8,14 @@ void ModeEquations::setMode(const ContactRowData &rows, const std::uint8_t *acti
   slipping_.clear();
   position_.resize(n + m);
   slip_.resize(m);
-  constant_.resize(n + m);
+  constant_.assign(n + m, 0.0);
+  loaded_.clear();
   for (int r = 0; r < n + m; ++r) {
     position_[r] = active[r] ? static_cast<int>(active_.size()) : -1;
     if (active[r])
       active_.push_back(r);
+    else if (r < n || slip[r - n] != 0)
+      loaded_.push_back(r);
   }
   for (int j = 0; j < m; ++j) {
     slip_[j] = active[n + j] ? std::int8_t{0} : slip[j];
@@ -46,22 +47,21 @@ void ModeEquations::assemble(const ContactRowData &rows, DenseMatrix &matrix) co
 
 void ModeEquations::rightHandSide(const ContactRowData &rows, const double *fixedForce, double *rhs) {
   const int k = activeCount(), n = rows.normalCount;
-  std::fill(constant_.begin(), constant_.end(), 0.0);
-  for (int i = 0; i < n; ++i)
-    if (position_[i] < 0)
-      constant_[i] = fixedForce[i];
-  for (const int j : slipping_) {
-    const int owner = rows.owner[j];
-    const double limit = rows.offset[j] + (owner >= 0 ? rows.friction[j] * constant_[owner] : 0.0);
-    constant_[n + j] = -slip_[j] * limit;
-  }
   for (int r = 0; r < k; ++r)
     rhs[r] = -rows.bias[active_[r]];
-  for (int c = 0; c < n + rows.tangentCount; ++c) {
-    const double force = constant_[c];
+  // Normal rows come first, so that a slipping row finds its owner's force.
+  for (const int row : loaded_) {
+    double force = 0;
+    if (row < n) {
+      force = fixedForce[row];
+    } else {
+      const int j = row - n, owner = rows.owner[j];
+      force = -slip_[j] * (rows.offset[j] + (owner >= 0 ? rows.friction[j] * constant_[owner] : 0.0));
+    }
+    constant_[row] = force;
     if (force == 0)
       continue;
-    const double *column = rows.delassus->column(c);
+    const double *column = rows.delassus->column(row);
     for (int r = 0; r < k; ++r)
       rhs[r] -= column[active_[r]] * force;
   }

@@ -42,6 +42,7 @@ public:
 private:
   std::vector<int> active_, position_;
   std::vector<int> slipping_;  // tangential rows that slip
+  std::vector<int> loaded_;    // rows whose force is not an unknown
   std::vector<std::int8_t> slip_;
   std::vector<double> constant_;  // b
 };

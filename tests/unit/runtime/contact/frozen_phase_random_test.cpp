@@ -96,7 +96,7 @@ TEST(FrozenPhaseRandom, AgreesWithTinyStepsOfTheFilippovSystem) {
   RandomContacts contacts(42);
   FrozenPhase phase;
   int compared = 0, agreeing = 0, held = 0;
-  for (int run = 0; run < 60; ++run) {
+  for (int run = 0; run < 40; ++run) {
     const int n = contacts.integer(1, 3), nv = contacts.integer(3, 6);
     const Eigen::MatrixXd J = looseJacobian(contacts, n, nv);
     const Eigen::VectorXd v = contacts.matrix(nv, 1) - Eigen::VectorXd::Unit(nv, 0);
@@ -106,14 +106,14 @@ TEST(FrozenPhaseRandom, AgreesWithTinyStepsOfTheFilippovSystem) {
       continue;
     for (const FrozenBreakpoint &point : phase.breakpoints())
       held += point.event == FrozenEvent::Held || point.event == FrozenEvent::Stick ? 1 : 0;
-    const double step = result.duration / 200000;
+    const double step = result.duration / 60000;
     const Eigen::VectorXd approximate = integrate(problem, J, v, step, result.duration * 1.001);
     const Eigen::VectorXd exact = v + J.transpose() * Eigen::Map<const Eigen::VectorXd>(result.impulse.data(), 2 * n);
     ++compared;
     agreeing += (approximate - exact).norm() < 3e-3 * (1 + v.norm()) ? 1 : 0;
   }
-  EXPECT_GT(held, 10);
-  EXPECT_GT(compared, 40);
+  EXPECT_GT(held, 5);
+  EXPECT_GT(compared, 30);
   EXPECT_EQ(agreeing, compared);
 }
 
