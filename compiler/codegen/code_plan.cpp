@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
+#include <numeric>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 
@@ -15,6 +18,9 @@ using ir::NodeId;
 
 constexpr int always = -1;
 constexpr int nowhere = -2;
+
+// Runs with at least this many zeros are cleared at once.
+constexpr std::size_t shortestClear = 8;
 
 int meet(int a, int b) {
   if (a == nowhere || a == b)
@@ -70,11 +76,52 @@ private:
     regions_.resize(static_cast<std::size_t>(function_.groups) + 1);
     for (std::size_t g = 0; g < regions_.size(); ++g)
       regions_[g].group = static_cast<int>(g) - 1;
+    const std::vector<char> isCleared = clearZeros();
     done_.assign(homes_.size(), 0);
-    for (const ir::Store &store : function_.stores) {
+    for (std::size_t k = 0; k < function_.stores.size(); ++k) {
+      const ir::Store &store = function_.stores[k];
+      if (isCleared[k] != 0)
+        continue;
       visit(store.node);
-      regions_[static_cast<std::size_t>(store.group + 1)].steps.push_back({store.node, &store});
+      region(store.group).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
     }
+  }
+
+  Unit &region(int group) { return regions_[static_cast<std::size_t>(group + 1)]; }
+
+  // Begins regions with the clearing of their zeros. Returns which stores are done with that.
+  std::vector<char> clearZeros() {
+    const std::vector<ir::Store> &stores = function_.stores;
+    std::vector<char> isCleared(stores.size(), 0);
+    std::vector<std::size_t> order(stores.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    const auto place = [&](std::size_t k) { return std::tuple(stores[k].group, stores[k].buffer, stores[k].position); };
+    std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place(a) < place(b); });
+    const auto follows = [&](std::size_t a, std::size_t b) {
+      return stores[a].group == stores[b].group && stores[a].buffer == stores[b].buffer && stores[a].position + 1 == stores[b].position;
+    };
+    const auto isZero = [&](std::size_t k) { return graph_.isConstant(stores[k].node, 0) && !std::signbit(graph_[stores[k].node].value); };
+    // A run goes on over a few other values, which are written twice, but not over as many as make a run of zeros.
+    for (std::size_t first = 0; first < order.size(); ++first) {
+      if (!isZero(order[first]))
+        continue;
+      std::size_t last = first;
+      std::size_t zeros = 1;
+      for (std::size_t next = first + 1; next < order.size() && follows(order[next - 1], order[next]) && next - last <= shortestClear;
+           ++next)
+        if (isZero(order[next])) {
+          last = next;
+          ++zeros;
+        }
+      if (zeros >= shortestClear) {
+        const ir::Store &begin = stores[order[first]];
+        region(begin.group).steps.push_back({Step::Kind::Clear, -1, begin.buffer, begin.position, static_cast<int>(last - first) + 1});
+        for (std::size_t k = first; k <= last; ++k)
+          isCleared[order[k]] = isZero(order[k]) ? 1 : 0;
+      }
+      first = last;
+    }
+    return isCleared;
   }
 
   void visit(NodeId root) {
@@ -98,7 +145,7 @@ private:
 
   void evaluateHere(NodeId id) {
     if (done_[position(id)] == 0)
-      regions_[static_cast<std::size_t>(homes_[position(id)] + 1)].steps.push_back({id, nullptr});
+      region(homes_[position(id)]).steps.push_back({Step::Kind::Evaluate, id, 0, 0, 0});
     done_[position(id)] = 1;
   }
 
@@ -140,7 +187,7 @@ private:
       for (const int slot : freed[static_cast<std::size_t>(u)])
         free.push_back(slot);
       for (const Step &step : plan_.units[static_cast<std::size_t>(u)].steps) {
-        if (step.store != nullptr || lastUse[position(step.node)] <= u)
+        if (step.kind != Step::Kind::Evaluate || lastUse[position(step.node)] <= u)
           continue;
         const int slot = free.empty() ? plan_.slotCount++ : free.back();
         if (!free.empty())
@@ -157,10 +204,10 @@ private:
   }
 
   void noteUses(const Step &step, int unit, std::vector<int> &lastUse) {
-    if (step.store != nullptr) {
+    if (step.kind == Step::Kind::Store)
       lastUse[position(step.node)] = unit;
+    if (step.kind != Step::Kind::Evaluate)
       return;
-    }
     const ir::Node &node = graph_[step.node];
     for (int j = 0; j < node.arity; ++j)
       lastUse[position(node.operands[j])] = unit;

@@ -3,14 +3,21 @@
 
 #include "compiler/ir/function.h"
 
+#include <cstdint>
 #include <vector>
 
 namespace tf::codegen {
 
-// A step of straight-line code: the evaluation of a node, or a store.
+// A step of straight-line code.
 struct Step {
+  enum class Kind : std::uint8_t {
+    Evaluate,  // node
+    Store,     // out[buffer][position] = node
+    Clear,     // out[buffer][position … position + length − 1] = 0; other steps may store there afterwards
+  };
+  Kind kind = Kind::Evaluate;
   ir::NodeId node = -1;
-  const ir::Store *store = nullptr;  // null: evaluate
+  int buffer = 0, position = 0, length = 0;
 };
 
 // Steps under one guard, operands before uses.

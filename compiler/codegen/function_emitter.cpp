@@ -6,16 +6,12 @@
 
 #include <cassert>
 #include <map>
-#include <set>
 #include <unordered_set>
 #include <utility>
 
 namespace tf::codegen {
 
 namespace {
-
-// Runs of zeros at least this long are cleared at once.
-constexpr int shortestClearedRun = 8;
 
 llvm::Function *createFunction(llvm::Module &module, const llvm::Twine &name, bool hasMask, bool hasSlots) {
   llvm::LLVMContext &context = module.getContext();
@@ -68,12 +64,21 @@ public:
   }
 
   void emit(const Unit &unit) {
-    findZeros(unit);
-    for (const Step &step : unit.steps)
-      if (step.store != nullptr)
-        store(*step.store);
-      else
+    for (const Step &step : unit.steps) {
+      switch (step.kind) {
+      case Step::Kind::Evaluate:
         evaluate(step.node);
+        break;
+      case Step::Kind::Store:
+        if (plan_.isSplit)
+          fetch(step.node);
+        builder_.CreateAlignedStore(expressions_.number(step.node), address(step), llvm::Align(8));
+        break;
+      case Step::Kind::Clear:
+        builder_.CreateMemSet(address(step), builder_.getInt8(0), static_cast<std::uint64_t>(step.length) * sizeof(double), llvm::Align(8));
+        break;
+      }
+    }
   }
 
 private:
@@ -101,49 +106,13 @@ private:
     return builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), slots_, static_cast<unsigned>(slot));
   }
 
-  // Runs of zeros in a unit's stores: (buffer, first position) to length.
-  void findZeros(const Unit &unit) {
-    zeroRuns_.clear();
-    inZeroRun_.clear();
-    std::set<std::pair<int, int>> zeros;
-    for (const Step &step : unit.steps)
-      if (step.store != nullptr && graph_.isConstant(step.node, 0))
-        zeros.emplace(step.store->buffer, step.store->position);
-    for (auto first = zeros.begin(); first != zeros.end();) {
-      auto last = first;
-      int length = 0;
-      while (last != zeros.end() && last->first == first->first && last->second == first->second + length) {
-        ++last;
-        ++length;
-      }
-      if (length >= shortestClearedRun) {
-        zeroRuns_[*first] = length;
-        inZeroRun_.insert(first, last);
-      }
-      first = last;
-    }
-  }
-
-  void store(const ir::Store &store) {
-    const std::pair place{store.buffer, store.position};
-    if (inZeroRun_.contains(place)) {
-      if (const auto run = zeroRuns_.find(place); run != zeroRuns_.end())
-        builder_.CreateMemSet(address(store), builder_.getInt8(0), static_cast<std::uint64_t>(run->second) * sizeof(double),
-                              llvm::Align(8));
-      return;
-    }
-    if (plan_.isSplit)
-      fetch(store.node);
-    builder_.CreateAlignedStore(expressions_.number(store.node), address(store), llvm::Align(8));
-  }
-
-  llvm::Value *address(const ir::Store &store) {
-    llvm::Value *&buffer = buffers_[store.buffer];
+  llvm::Value *address(const Step &step) {
+    llvm::Value *&buffer = buffers_[step.buffer];
     if (buffer == nullptr) {
-      llvm::Value *slot = builder_.CreateConstInBoundsGEP1_32(builder_.getPtrTy(), outputs_, static_cast<unsigned>(store.buffer));
-      buffer = expressions_.invariantLoad(builder_.getPtrTy(), slot, "out" + llvm::Twine(store.buffer));
+      llvm::Value *slot = builder_.CreateConstInBoundsGEP1_32(builder_.getPtrTy(), outputs_, static_cast<unsigned>(step.buffer));
+      buffer = expressions_.invariantLoad(builder_.getPtrTy(), slot, "out" + llvm::Twine(step.buffer));
     }
-    return builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), buffer, static_cast<unsigned>(store.position));
+    return builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), buffer, static_cast<unsigned>(step.position));
   }
 
   const ir::Graph &graph_;
@@ -154,8 +123,6 @@ private:
   llvm::Value *slots_ = nullptr;
   std::map<int, llvm::Value *> buffers_, outerBuffers_;
   std::unordered_set<ir::NodeId> fetched_;
-  std::map<std::pair<int, int>, int> zeroRuns_;
-  std::set<std::pair<int, int>> inZeroRun_;
 };
 
 // A unit of a split plan as a function of its own.

@@ -1,6 +1,6 @@
 // Construction of nodes with simplification. Rules are exact in IEEE arithmetic up to the sign of zero and the treatment of infinities and
-// NaN (x − x, 0·x), except that constant factors of one product are multiplied together. Each rule strips a level of its operands, which
-// are already simplified, so that the calls below nest a few levels deep at most.
+// NaN (x − x, 0·x), except that constant factors of one product are multiplied together and those of the same factor added. Each rule
+// strips a level of its operands, which are already simplified, so that the calls below nest a few levels deep at most.
 #include "compiler/ir/graph.h"
 #include "compiler/ir/operations.h"
 
@@ -113,18 +113,20 @@ NodeId Graph::addition(NodeId a, NodeId b) {
   const Node right = (*this)[b];
   if (isConstant(a, 0))
     return b;
-  if (a == b)
-    return mul(constant(2), a);
+  const auto [leftFactor, leftRest] = factored(*this, a);
+  const auto [rightFactor, rightRest] = factored(*this, b);
+  if (leftRest == rightRest && left.op != Op::Constant)
+    return mul(constant(leftFactor + rightFactor), leftRest);
   if (right.op == Op::Neg)
     return sub(a, right.operands[0]);
   if (left.op == Op::Neg)
     return sub(b, left.operands[0]);
   if (left.op == Op::Constant && left.value < 0)
     return sub(b, constant(-left.value));
-  if (const auto [factor, rest] = factored(*this, b); factor < 0)
-    return sub(a, mul(constant(-factor), rest));
-  if (const auto [factor, rest] = factored(*this, a); factor < 0)
-    return sub(b, mul(constant(-factor), rest));
+  if (rightFactor < 0)
+    return sub(a, mul(constant(-rightFactor), rightRest));
+  if (leftFactor < 0)
+    return sub(b, mul(constant(-leftFactor), leftRest));
   return operation(Op::Add, std::array{a, b});
 }
 
@@ -137,14 +139,18 @@ NodeId Graph::subtraction(NodeId a, NodeId b) {
     return a;
   if (isConstant(a, 0))
     return neg(b);
+  const auto [leftFactor, leftRest] = factored(*this, a);
+  const auto [rightFactor, rightRest] = factored(*this, b);
+  if (leftRest == rightRest && left.op != Op::Constant)
+    return mul(constant(leftFactor - rightFactor), leftRest);
   if (right.op == Op::Neg)
     return add(a, right.operands[0]);
   if (left.op == Op::Neg)
     return neg(add(left.operands[0], b));
   if (right.op == Op::Constant && right.value < 0)
     return add(a, constant(-right.value));
-  if (const auto [factor, rest] = factored(*this, b); factor < 0)
-    return add(a, mul(constant(-factor), rest));
+  if (rightFactor < 0)
+    return add(a, mul(constant(-rightFactor), rightRest));
   return operation(Op::Sub, std::array{a, b});
 }
 

@@ -66,6 +66,10 @@ TEST_F(GraphTest, ConstantFactorsMerge) {
   EXPECT_EQ(g.mul(c(0.5), g.mul(z, g.mul(c(2), x))), g.mul(z, x));
   EXPECT_EQ(g.mul(c(3), g.mul(c(5), x)), g.mul(c(15), x));
   EXPECT_EQ(g.div(x, c(4)), g.mul(c(0.25), x));
+  EXPECT_EQ(g.add(g.mul(c(0.5), x), x), g.mul(c(1.5), x));
+  EXPECT_EQ(g.sub(g.mul(c(3), x), g.mul(c(5), x)), g.mul(c(-2), x));
+  EXPECT_EQ(g.sub(x, g.mul(c(-3), x)), g.mul(c(4), x));
+  EXPECT_TRUE(g.isConstant(g.add(x, g.mul(c(-1), x)), 0));
   EXPECT_EQ(g[g.div(x, c(3))].op, Op::Div) << "1/3 is not exact";
 }
 
