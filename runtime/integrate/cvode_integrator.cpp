@@ -16,13 +16,23 @@ namespace {
 
 // Local errors of a multistep method add up: a tenth of the tolerance keeps the global error near it (theory.md section 6).
 constexpr double toleranceFactor = 0.1;
+constexpr double carefulFactor = 1e-3;
 
 // What the callbacks work on.
 struct Problem {
   ModeDynamics *dynamics;
   const double *scale;
   std::vector<double> rate;
+  double tolerance = 0;
 };
+
+// Weights of the error norm: 1 / (tolerance · max(scale, |y|)). A function, since it may change from step to step.
+int errorWeights(N_Vector state, N_Vector weights, void *data) {
+  const auto *problem = static_cast<const Problem *>(data);
+  for (int i = 0; i < problem->dynamics->size(); ++i)
+    N_VGetArrayPointer(weights)[i] = 1 / (problem->tolerance * std::max(problem->scale[i], std::abs(N_VGetArrayPointer(state)[i])));
+  return 0;
+}
 
 int evaluateRate(realtype time, N_Vector state, N_Vector rate, void *data) {
   ModeDynamics *dynamics = static_cast<Problem *>(data)->dynamics;
@@ -60,24 +70,23 @@ void ignoreMessage(int, const char *, const char *, char *, void *) {}
 
 struct CvodeIntegrator::Solver {
   SUNContext context = nullptr;
-  N_Vector state = nullptr, tolerance = nullptr, derivative = nullptr;
+  N_Vector state = nullptr, derivative = nullptr;
   SUNMatrix matrix = nullptr;
   SUNLinearSolver linear = nullptr;
   void *memory = nullptr;
   bool created = false;
   Problem problem;
 
-  Solver(ModeDynamics &dynamics, const double *scale) : problem{&dynamics, scale, std::vector<double>(dynamics.size())} {
+  Solver(ModeDynamics &dynamics, const double *scale) : problem{&dynamics, scale, std::vector<double>(dynamics.size()), 0} {
     const int n = dynamics.size();
     if (SUNContext_Create(nullptr, &context) != 0)
       throw std::bad_alloc();
     state = N_VNew_Serial(n, context);
-    tolerance = N_VNew_Serial(n, context);
     derivative = N_VNew_Serial(n, context);
     matrix = SUNDenseMatrix(n, n, context);
     linear = SUNLinSol_Dense(state, matrix, context);
     memory = CVodeCreate(CV_BDF, context);
-    if (state == nullptr || tolerance == nullptr || derivative == nullptr || matrix == nullptr || linear == nullptr || memory == nullptr)
+    if (state == nullptr || derivative == nullptr || matrix == nullptr || linear == nullptr || memory == nullptr)
       throw std::bad_alloc();
   }
   Solver(const Solver &) = delete;
@@ -87,7 +96,6 @@ struct CvodeIntegrator::Solver {
     SUNLinSolFree(linear);
     SUNMatDestroy(matrix);
     N_VDestroy(derivative);
-    N_VDestroy(tolerance);
     N_VDestroy(state);
     SUNContext_Free(&context);
   }
@@ -104,12 +112,10 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
   std::copy_n(rate, n_, endRate_.begin());
   std::copy_n(state, n_, N_VGetArrayPointer(solver_->state));
   Solver &s = *solver_;
-  const double relative = std::max(toleranceFactor * settings_.tolerance, 1e-13);
-  for (int i = 0; i < n_; ++i)
-    N_VGetArrayPointer(s.tolerance)[i] = relative * settings_.scale[i];
+  careful_ = false;
   if (!s.created) {
     CVodeInit(s.memory, evaluateRate, time, s.state);
-    CVodeSVtolerances(s.memory, relative, s.tolerance);
+    CVodeWFtolerances(s.memory, errorWeights);
     CVodeSetUserData(s.memory, &s.problem);
     CVodeSetLinearSolver(s.memory, s.linear, s.matrix);
     CVodeSetJacFn(s.memory, evaluateJacobian);
@@ -120,11 +126,24 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
     s.created = true;
   } else {
     CVodeReInit(s.memory, time, s.state);
-    CVodeSVtolerances(s.memory, relative, s.tolerance);
   }
+  setTolerance();
   CVodeSetInitStep(s.memory, settings_.fixedStep > 0 ? settings_.fixedStep : 0);
   next_ = firstStep;
 }
+
+void CvodeIntegrator::setTolerance() {
+  solver_->problem.tolerance = std::max(toleranceFactor * (careful_ ? carefulFactor : 1) * settings_.tolerance, careful_ ? 1e-12 : 1e-13);
+}
+
+void CvodeIntegrator::setCareful(bool careful) {
+  if (careful == careful_)
+    return;
+  careful_ = careful;
+  setTolerance();
+}
+
+double CvodeIntegrator::startingError() const { return std::clamp(toleranceFactor * carefulFactor * settings_.tolerance, 1e-12, 1e-10); }
 
 StepStatus CvodeIntegrator::step(double limit) {
   Solver &s = *solver_;

@@ -16,12 +16,17 @@ public:
   StepStatus step(double limit) override;
   bool shorten(double time) override;
   void interpolate(double time, double *state) override;
+  void setCareful(bool careful) override;
+  [[nodiscard]] double startingError() const override;
   [[nodiscard]] double suggestedStep() const override { return next_; }
 
 private:
   struct Solver;
   std::unique_ptr<Solver> solver_;
   double next_ = 0;
+  bool careful_ = false;
+
+  void setTolerance();
 };
 
 }  // namespace tf::runtime

@@ -41,6 +41,11 @@ public:
   virtual void interpolate(double time, double *state) = 0;
   // The caller has moved the end of the step by a trifle.
   void moveEnd(double time) { endTime_ = time; }
+  // While a gap grows from zero its sign depends on errors far below the tolerance: a method whose first steps are of low order must be
+  // more accurate then.
+  virtual void setCareful(bool /*careful*/) {}
+  // Error of a guard that starts at zero in the first steps of a mode, relative to its scale.
+  [[nodiscard]] virtual double startingError() const { return 1e-12; }
   // Length that the error control would take next.
   [[nodiscard]] virtual double suggestedStep() const = 0;
 

@@ -46,7 +46,7 @@ EventDetection::EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integra
 double EventDetection::threshold(int guard) const {
   const Guard &g = dynamics_.guards()[guard];
   const double tolerance = integrator_->settings().tolerance;
-  return (isForceGuard(g.kind) ? std::max(1e-9, tolerance) : std::clamp(0.1 * tolerance, 1e-12, 1e-9)) * g.scale;
+  return (isForceGuard(g.kind) ? std::max(1e-9, tolerance) : integrator_->startingError()) * g.scale;
 }
 
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
@@ -103,8 +103,18 @@ void EventDetection::restart(double time, const double *state) {
   sample(time, state, begin_);
   start_ = begin_.value;
   armed_.assign(count, 0);
-  for (std::size_t k = 0; k < count; ++k)
-    armed_[k] = begin_.value[k] > threshold(static_cast<int>(k));
+  // A gap that opens at a speed needs no distance to be taken for open.
+  for (std::size_t k = 0; k < count; ++k) {
+    const double least = threshold(static_cast<int>(k));
+    armed_[k] = begin_.value[k] > least || (begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least);
+  }
+}
+
+void EventDetection::watchStart() {
+  watched_ = false;
+  for (std::size_t k = 0; k < armed_.size(); ++k)
+    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(static_cast<int>(k)));
+  integrator_->setCareful(watched_);
 }
 
 // The first zero in [low, high] on the interpolant by the Illinois method.
@@ -230,6 +240,12 @@ void EventDetection::advance() {
     if (end_.value[k] > threshold(static_cast<int>(k)))
       armed_[k] = 1;
   std::swap(begin_, end_);
+  if (!watched_)
+    return;
+  watched_ = false;
+  for (std::size_t k = 0; k < armed_.size(); ++k)
+    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= 1e3 * threshold(static_cast<int>(k)));
+  integrator_->setCareful(watched_);
 }
 
 // The step's length h is an unknown together with the state: Newton's method on guard(y(t0 + h)) = 0 with the element solved anew for each

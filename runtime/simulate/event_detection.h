@@ -22,8 +22,8 @@ public:
   void setIntegrator(SmoothIntegrator &integrator) { integrator_ = &integrator; }
   // A new mode begins at (time, state), where the dynamics has just been evaluated.
   void restart(double time, const double *state);
-  // The guards changed within the mode.
-  void guardsChanged(double time, const double *state) { restart(time, state); }
+  // The integrator has been started in the new mode.
+  void watchStart();
   // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
   DetectedEvent detect();
   // The step ended without an event: its end is the begin of the next one.
@@ -55,6 +55,7 @@ private:
   std::vector<std::uint8_t> armed_;  // the guard has been clearly positive in this mode
   std::vector<double> start_;        // values where the mode began
   bool needsForces_ = false;
+  bool watched_ = false;  // a gap has not left zero yet
   Sample begin_, middle_, end_;
   std::vector<Sample> pool_;  // one middle for each depth of the search
   std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_;

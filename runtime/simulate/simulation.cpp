@@ -217,6 +217,7 @@ void Simulation::Implementation::startIntegrator() {
   useIntegrator(*primary_);
   detection_->restart(time_, state_.data());
   integrator_->start(time_, state_.data(), rate_.data(), suggestedStep_);
+  detection_->watchStart();
 }
 
 void Simulation::Implementation::enterSegment() {
@@ -453,6 +454,7 @@ tf_status Simulation::Implementation::step(double limit) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     fallback_->start(time_, state_.data(), rate_.data(), 0);
+    detection_->watchStart();
     status = integrator_->step(limit);
   }
   if (status == StepStatus::Unsolvable && dynamics_.failure() != EvaluationFailure::None)
