@@ -273,12 +273,27 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
     if (!contact.slip.empty())
       add(contact.name + ".sticking", TF_KIND_STICKING, contact.tangentFirst, "", contact.name + " sticks", element.span).flags |=
           TF_BOOLEAN;
+    add(contact.name + ".alpha[1]", TF_KIND_GAP_STEP, index, "", "step variable of the gap of " + contact.name, element.span);
+    add(contact.name + ".alpha[2]", TF_KIND_GAP_RATE_STEP, index, "", "step variable of the gap's rate of " + contact.name, element.span);
+    if (contact.slip.size() == 1) {
+      add(contact.name + ".alpha[3]", TF_KIND_SLIP_STEP, contact.tangentFirst, "", "step variable of the slip of " + contact.name,
+          element.span);
+      add(contact.name + ".theta[1]", TF_KIND_THETA_BACKWARD, contact.tangentFirst, "",
+          "weight of the auxiliary field against positive slip of " + contact.name, element.span);
+      add(contact.name + ".theta[2]", TF_KIND_THETA_FORWARD, contact.tangentFirst, "",
+          "weight of the auxiliary field against negative slip of " + contact.name, element.span);
+    } else {
+      add(contact.name + ".theta[1]", TF_KIND_PUSH, index, "", "weight of the auxiliary field of " + contact.name, element.span);
+    }
     add(contact.name + ".impulse", TF_KIND_IMPULSE, index, "N.s", "accumulated normal impulse of impacts of " + contact.name, element.span);
   }
   for (const FrictionEntry &friction : d_.elements.frictions)
     if (isOurs(friction)) {
       addTangentRows(friction, TF_KIND_TANGENT_FORCE, "force", friction.tangentFirst, friction.slip.size(), "N", "friction force of ");
       addTangentRows(friction, TF_KIND_SLIP, "slip", friction.tangentFirst, friction.slip.size(), "m/s", "slip velocity of ");
+      if (friction.slip.size() == 1)
+        add(friction.name + ".alpha", TF_KIND_SLIP_STEP, friction.tangentFirst, "", "step variable of the slip of " + friction.name,
+            element.span);
       add(friction.name + ".sticking", TF_KIND_STICKING, friction.tangentFirst, "", friction.name + " sticks", element.span).flags |=
           TF_BOOLEAN;
     }

@@ -63,7 +63,13 @@ enum tf_kind {
   TF_KIND_STICKING = 15,      /* tangential row, 0/1 */
   TF_KIND_IMPULSE = 16,       /* contact index: accumulated normal impulse of impacts */
   TF_KIND_TIME_SPEED = 17,    /* dt/dtau = beta */
-  TF_KIND_STEP_VARIABLE = 18  /* alpha_j of switch j */
+  TF_KIND_STEP_VARIABLE = 18, /* alpha_j of switch j */
+  TF_KIND_GAP_STEP = 19,      /* contact index: alpha_1, 0 while closed */
+  TF_KIND_GAP_RATE_STEP = 20, /* contact index: alpha_2, 1 - push while closed */
+  TF_KIND_SLIP_STEP = 21,     /* tangential row: alpha_3 */
+  TF_KIND_PUSH = 22,          /* contact index: (1 - alpha_1)(1 - alpha_2), the weight of its auxiliary fields */
+  TF_KIND_THETA_BACKWARD = 23, /* tangential row: push alpha_3, of the field with friction against positive slip */
+  TF_KIND_THETA_FORWARD = 24   /* tangential row: push (1 - alpha_3) */
 };
 
 enum tf_variable_flags {

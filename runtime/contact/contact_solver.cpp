@@ -176,6 +176,7 @@ void ContactSolver::Workspace::count(const PlanarFrictionSolution &found) {
   ++statistics.solves;
   statistics.previousModeKept += solver.path() == PlanarFrictionSolver::Path::Previous ? 1 : 0;
   statistics.enumerated += solver.path() == PlanarFrictionSolver::Path::Enumeration ? 1 : 0;
+  statistics.activeSet += solver.path() == PlanarFrictionSolver::Path::ActiveSet ? 1 : 0;
   statistics.pivoted += solver.path() == PlanarFrictionSolver::Path::Pivoting ? 1 : 0;
   statistics.pivots += solver.pivots();
   if (hasSolution(found))

@@ -26,7 +26,7 @@ public:
     double degeneracy = 1e-9;    // below: the row is decided by its next derivative
   };
   struct Statistics {
-    long solves = 0, previousModeKept = 0, enumerated = 0, pivoted = 0, pivots = 0, redundant = 0, resolved = 0;
+    long solves = 0, previousModeKept = 0, enumerated = 0, activeSet = 0, pivoted = 0, pivots = 0, redundant = 0, resolved = 0;
     double worstViolation = 0;
   };
 

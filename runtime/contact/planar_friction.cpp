@@ -11,7 +11,7 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Matrices of modes with a smaller pivot are singular: the diagonal of D is scaled to 1.
 constexpr double singularMode = 1e-11;
-// Up to so many modes all are tried; above, pivoting comes first, and enumeration only where pivoting finds no solution.
+// Up to so many modes all are tried; above, an active set and pivoting come first, and all modes only where these find no solution.
 constexpr double enumerationLimit = 64, exhaustiveLimit = 20000;
 
 }  // namespace
@@ -304,6 +304,11 @@ const PlanarFrictionSolution &PlanarFrictionSolver::solve(const PlanarFrictionMo
     }
   }
   if (!few) {
+    path_ = Path::ActiveSet;
+    if (activeSet(previous)) {
+      publish(Status::Solved);
+      return solution_;
+    }
     path_ = Path::Pivoting;
     if (pivot()) {
       publish(Status::Solved);

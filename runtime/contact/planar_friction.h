@@ -66,8 +66,8 @@ public:
   // Violation of the last problem's conditions by other forces and accelerations, relative to the scale.
   double certificate(const std::vector<double> &force, const std::vector<double> &acceleration);
   [[nodiscard]] int pivots() const { return pivots_; }
-  // The last solution was: the previous mode, found by trying all modes, or by pivoting.
-  enum class Path : std::uint8_t { Previous, Enumeration, Pivoting };
+  // How the last solution was found: the previous mode holds, all modes were tried, by an active set, by pivoting.
+  enum class Path : std::uint8_t { Previous, Enumeration, ActiveSet, Pivoting };
   [[nodiscard]] Path path() const { return path_; }
 
 private:
@@ -94,6 +94,9 @@ private:
   int enumerate(const PlanarFrictionMode *previous, bool firstOnly);
   void countChanges(const PlanarFrictionMode *previous);
   [[nodiscard]] bool preferred() const;
+  bool evaluateRedundant(Candidate &candidate);
+  bool updateMode(Candidate &candidate) const;
+  bool activeSet(const PlanarFrictionMode *start);
   bool pivot();
   int assignVariables();
   void buildTransfer(int variables);
@@ -115,6 +118,8 @@ private:
   std::vector<int> option_, firstVariable_;
   DenseMatrix transfer_, response_;  // λ = T z + constant, w = D T z + constantResponse
   std::vector<double> constant_, constantResponse_;
+  DenseMatrix modeMatrix_;
+  std::vector<double> target_, residual_;
   Candidate trial_, best_;
   int pivots_ = 0;
   Path path_ = Path::Previous;

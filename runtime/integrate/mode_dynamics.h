@@ -75,7 +75,7 @@ public:
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }
-  [[nodiscard]] double worstViolation() const { return worstViolation_; }
+  void resetStatistics() { evaluations_ = 0; }
 
 private:
   bool prepare(double time, const double *state);
@@ -104,7 +104,6 @@ private:
   double timeSpeed_ = 1;
   EvaluationFailure failure_ = EvaluationFailure::None;
   long long evaluations_ = 0;
-  double worstViolation_ = 0;
   bool starting_ = false;
   // workspaces
   std::vector<double> freeAcceleration_, change_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;

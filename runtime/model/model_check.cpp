@@ -33,10 +33,16 @@ std::int64_t kindSize(const tf_model &model, std::int32_t kind) {
   case TF_KIND_NORMAL_FORCE:
   case TF_KIND_CLOSED:
   case TF_KIND_IMPULSE:
+  case TF_KIND_GAP_STEP:
+  case TF_KIND_GAP_RATE_STEP:
+  case TF_KIND_PUSH:
     return model.nc;
   case TF_KIND_TANGENT_FORCE:
   case TF_KIND_SLIP:
   case TF_KIND_STICKING:
+  case TF_KIND_SLIP_STEP:
+  case TF_KIND_THETA_BACKWARD:
+  case TF_KIND_THETA_FORWARD:
     return model.nt;
   case TF_KIND_STEP_VARIABLE:
     return model.ns;

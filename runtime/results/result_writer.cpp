@@ -12,16 +12,20 @@ namespace {
 // RFC 4180 ends lines with CR LF.
 constexpr std::string_view lineEnd = "\r\n";
 
+double valueOf(const ResultColumn &column, std::span<const double> values) {
+  return column.sign * values[static_cast<std::size_t>(column.variable)];
+}
+
 class CsvWriter : public ResultWriter {
 public:
-  CsvWriter(OutputFile file, std::vector<std::int32_t> columns) : file_(std::move(file)), columns_(std::move(columns)) {}
+  CsvWriter(OutputFile file, std::vector<ResultColumn> columns) : file_(std::move(file)), columns_(std::move(columns)) {}
 
-  Outcome<void> writeHeader(const tf_model &model) {
+  Outcome<void> writeHeader() {
     line_.clear();
-    for (const std::int32_t column : columns_) {
+    for (const ResultColumn &column : columns_) {
       if (!line_.empty())
         line_ += ',';
-      appendCsvField(line_, model.variables[column].name);
+      appendCsvField(line_, column.name);
     }
     line_ += lineEnd;
     return file_.write(line_);
@@ -29,8 +33,8 @@ public:
 
   Outcome<void> writeRow(std::span<const double> values) override {
     line_.clear();
-    for (const std::int32_t column : columns_) {
-      appendNumber(line_, values[static_cast<std::size_t>(column)]);
+    for (const ResultColumn &column : columns_) {
+      appendNumber(line_, valueOf(column, values));
       line_ += ',';
     }
     line_.replace(line_.size() - 1, 1, lineEnd);
@@ -41,7 +45,7 @@ public:
 
 private:
   OutputFile file_;
-  std::vector<std::int32_t> columns_;
+  std::vector<ResultColumn> columns_;
   std::string line_;
 };
 
@@ -68,7 +72,7 @@ void appendJsonString(std::string &text, std::string_view value) {
 // are the strings that CSV has for them.
 class JsonWriter : public ResultWriter {
 public:
-  JsonWriter(OutputFile file, const tf_model &model, std::vector<std::int32_t> columns)
+  JsonWriter(OutputFile file, const tf_model &model, std::vector<ResultColumn> columns)
       : file_(std::move(file)), model_(&model), columns_(std::move(columns)), data_(columns_.size()) {}
   ~JsonWriter() override { static_cast<void>(end()); }
   JsonWriter(const JsonWriter &) = delete;
@@ -76,7 +80,7 @@ public:
 
   Outcome<void> writeRow(std::span<const double> values) override {
     for (std::size_t i = 0; i < columns_.size(); ++i)
-      data_[i].push_back(values[static_cast<std::size_t>(columns_[i])]);
+      data_[i].push_back(valueOf(columns_[i], values));
     return {};
   }
 
@@ -104,20 +108,20 @@ private:
     appendJsonString(text, model_->name);
     text += ",\n  \"variables\": [";
     for (std::size_t i = 0; i < columns_.size(); ++i) {
-      const tf_variable &variable = model_->variables[columns_[i]];
+      const ResultColumn &column = columns_[i];
       text += i == 0 ? "\n    {\"name\": " : ",\n    {\"name\": ";
-      appendJsonString(text, variable.name);
+      appendJsonString(text, column.name);
       text += ", \"unit\": ";
-      appendJsonString(text, variable.unit);
+      appendJsonString(text, model_->variables[column.variable].unit);
       text += ", \"description\": ";
-      appendJsonString(text, variable.description);
+      appendJsonString(text, column.description);
       text += '}';
     }
     text += "\n  ],\n  \"data\": {";
   }
 
   void appendColumn(std::string &text, std::size_t column) const {
-    appendJsonString(text, model_->variables[columns_[column]].name);
+    appendJsonString(text, columns_[column].name);
     text += ": [";
     for (const double value : data_[column]) {
       const bool finite = std::isfinite(value);
@@ -132,7 +136,7 @@ private:
 
   OutputFile file_;
   const tf_model *model_;
-  std::vector<std::int32_t> columns_;
+  std::vector<ResultColumn> columns_;
   std::vector<std::vector<double>> data_;
   bool finished_ = false;
 };
@@ -149,7 +153,7 @@ Format formatOf(const std::string &path) {
 }  // namespace
 
 Outcome<std::unique_ptr<ResultWriter>> ResultWriter::create(const std::string &path, const tf_model &model,
-                                                            std::vector<std::int32_t> columns) {
+                                                            std::vector<ResultColumn> columns) {
   const Format format = formatOf(path);
   if (format == Format::Unknown)
     return Failure{"cannot write results to '" + path + "': the name must end in .csv or .json"};
@@ -161,16 +165,23 @@ Outcome<std::unique_ptr<ResultWriter>> ResultWriter::create(const std::string &p
   if (format == Format::Json)
     return std::unique_ptr<ResultWriter>(std::make_unique<JsonWriter>(std::move(file.value()), model, std::move(columns)));
   auto writer = std::make_unique<CsvWriter>(std::move(file.value()), std::move(columns));
-  if (auto header = writer->writeHeader(model); !header)
+  if (auto header = writer->writeHeader(); !header)
     return Failure{header.error()};
   return std::unique_ptr<ResultWriter>(std::move(writer));
 }
 
-std::vector<std::int32_t> visibleColumns(const tf_model &model) {
-  std::vector<std::int32_t> columns;
+std::vector<ResultColumn> visibleColumns(const tf_model &model) {
+  std::vector<ResultColumn> columns;
+  const auto isVisible = [&](std::int32_t variable) { return (model.variables[variable].flags & TF_PROTECTED) == 0; };
   for (std::int32_t i = 0; i < model.variable_count; ++i)
-    if ((model.variables[i].flags & TF_PROTECTED) == 0)
-      columns.push_back(i);
+    if (isVisible(i))
+      columns.push_back({i, 1, model.variables[i].name, model.variables[i].description});
+  for (std::int32_t i = 0; i < model.alias_count; ++i) {
+    const tf_alias &alias = model.aliases[i];
+    const char *description = *alias.description != '\0' ? alias.description : model.variables[alias.variable].description;
+    if (isVisible(alias.variable))
+      columns.push_back({alias.variable, alias.sign, alias.name, description});
+  }
   return columns;
 }
 

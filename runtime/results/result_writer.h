@@ -18,12 +18,22 @@ void appendNumber(std::string &text, double value);
 // Appends a CSV field, quoted where it contains a comma, a quote or a line break.
 void appendCsvField(std::string &text, std::string_view field);
 
+// A column of the results: sign * value of a variable, under the variable's name or another one.
+struct ResultColumn {
+  std::int32_t variable;  // number in model.variables
+  double sign;
+  const char *name, *description;
+};
+
+// The columns that a user asks to see: all variables but protected ones, in the model's order, then their other names (`y` where `y = x`).
+std::vector<ResultColumn> visibleColumns(const tf_model &model);
+
 class ResultWriter {
 public:
   virtual ~ResultWriter() = default;
-  // By the path's suffix: .csv or .json (in any case). `columns`: numbers of model.variables in the order of the columns.
-  // The file is created at once, so that an unwritable place is noticed before the run.
-  static Outcome<std::unique_ptr<ResultWriter>> create(const std::string &path, const tf_model &model, std::vector<std::int32_t> columns);
+  // By the path's suffix: .csv or .json (in any case). The file is created at once, so that an unwritable place is noticed before the run.
+  // The model must outlive the writer.
+  static Outcome<std::unique_ptr<ResultWriter>> create(const std::string &path, const tf_model &model, std::vector<ResultColumn> columns);
 
   // values: all of model.variables [variable_count]. CSV rows are with the operating system on return; JSON's columns are written by
   // finish.
@@ -31,8 +41,5 @@ public:
   // Ends the file; also done, without report, on destruction. Further rows are not allowed.
   virtual Outcome<void> finish() = 0;
 };
-
-// The columns of all variables of the model that a user asks to see: all but protected ones.
-std::vector<std::int32_t> visibleColumns(const tf_model &model);
 
 }  // namespace tf::runtime

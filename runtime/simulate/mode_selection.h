@@ -49,6 +49,7 @@ public:
   [[nodiscard]] double velocityTolerance(const double *state) const;
   [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
   [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }
+  void resetStatistics() { worstViolation_ = 0; }
   [[nodiscard]] double worstViolation() const { return worstViolation_; }
 
 private:

@@ -229,6 +229,8 @@ void Simulation::Implementation::enterSegment() {
 tf_status Simulation::Implementation::initialise(double startTime) {
   error_.clear();
   statistics_ = {};
+  dynamics_.resetStatistics();
+  selection_.resetStatistics();
   statistics_.worst_gap = std::numeric_limits<double>::infinity();
   statistics_.worst_normal_force = std::numeric_limits<double>::infinity();
   time_ = startTime;

@@ -7,7 +7,22 @@
 namespace tf::runtime {
 
 VariableValues::VariableValues(ModeDynamics &dynamics)
-    : dynamics_(dynamics), rate_(dynamics.size()), outputs_(dynamics.model().model().no) {}
+    : dynamics_(dynamics), owner_(contactsOfTangents(dynamics.model().model())), rate_(dynamics.size()),
+      outputs_(dynamics.model().model().no) {}
+
+// (1 − α1)(1 − α2) = λ_n β / a_n (theory.md section 2).
+double VariableValues::push(int contact) const {
+  const ModelEvaluation &at = dynamics_.model();
+  return dynamics_.mode().closed[contact] ? at.normalForce[contact] * dynamics_.timeSpeed() / at.rate[contact] : 0;
+}
+
+double VariableValues::slipStep(int row) const {
+  const ModelEvaluation &at = dynamics_.model();
+  if (dynamics_.mode().tangent[row] != Tangent::Stick)
+    return at.slip[row] > 0 ? 1 : at.slip[row] < 0 ? 0 : 0.5;
+  const int contact = owner_[row];
+  return slipStepVariable(at.tangentForce[row], contact >= 0 ? at.friction[contact] * at.normalForce[contact] : at.bound[row]);
+}
 
 double VariableValues::value(const tf_variable &variable, double time, const double *state, const double *impulse,
                              const double *parameters) const {
@@ -53,6 +68,18 @@ double VariableValues::value(const tf_variable &variable, double time, const dou
     return dynamics_.timeSpeed();
   case TF_KIND_STEP_VARIABLE:
     return at.stepVariable[i];
+  case TF_KIND_GAP_STEP:
+    return dynamics_.mode().closed[i] ? 0 : 1;
+  case TF_KIND_GAP_RATE_STEP:
+    return dynamics_.mode().closed[i] ? 1 - push(i) : at.gapRate[i] > 0 ? 1 : 0;
+  case TF_KIND_SLIP_STEP:
+    return slipStep(i);
+  case TF_KIND_PUSH:
+    return push(i);
+  case TF_KIND_THETA_BACKWARD:
+    return owner_[i] < 0 ? 0 : push(owner_[i]) * slipStep(i);
+  case TF_KIND_THETA_FORWARD:
+    return owner_[i] < 0 ? 0 : push(owner_[i]) * (1 - slipStep(i));
   }
   return 0;
 }

@@ -18,7 +18,11 @@ public:
 private:
   double value(const tf_variable &variable, double time, const double *state, const double *impulse, const double *parameters) const;
 
+  [[nodiscard]] double push(int contact) const;
+  [[nodiscard]] double slipStep(int row) const;
+
   ModeDynamics &dynamics_;
+  std::vector<int> owner_;  // contact of a tangential row, −1 of a friction element
   std::vector<double> rate_, outputs_;
 };
 
