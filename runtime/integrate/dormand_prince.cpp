@@ -65,6 +65,17 @@ void DormandPrince::interpolate(double theta, double *y) const {
   }
 }
 
+double DormandPrince::stabilityRatio() const {
+  const double *k6 = stages_.data() + 4 * static_cast<std::ptrdiff_t>(n_);
+  double rates = 0, states = 0;
+  for (int i = 0; i < n_; ++i) {
+    rates += (endRate_[i] - k6[i]) * (endRate_[i] - k6[i]);
+    states += (end_[i] - point_[i]) * (end_[i] - point_[i]);
+  }
+  constexpr double border = 3.25;
+  return states > 0 ? std::abs(h_) * std::sqrt(rates / states) / border : 0;
+}
+
 double DormandPrince::errorNorm(const double *scale, double tolerance) const {
   double norm = 0;
   for (int i = 0; i < n_; ++i)

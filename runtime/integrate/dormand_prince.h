@@ -15,6 +15,8 @@ public:
              double accuracy) override;
   void interpolate(double theta, double *y) const override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
+  // Hairer, Wanner II, IV.2: two evaluations at the end of the step, whose states differ by the local error.
+  [[nodiscard]] double stabilityRatio() const override;
   [[nodiscard]] double errorOrder() const override { return 5; }
 
 private:

@@ -25,6 +25,17 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
   first_ = true;
   moved_ = false;
   method_->restart();
+  unstableSteps_ = stableSteps_ = 0;
+}
+
+// Hairer, Wanner II, IV.2: fifteen steps at the border of stability, fewer than six in a row inside it.
+void ElementIntegrator::watchStability() {
+  if (method_->stabilityRatio() > 1) {
+    stableSteps_ = 0;
+    ++unstableSteps_;
+  } else if (++stableSteps_ >= 6) {
+    unstableSteps_ = 0;
+  }
 }
 
 void ElementIntegrator::updateScale() {
@@ -110,6 +121,7 @@ StepStatus ElementIntegrator::step(double limit) {
     first_ = false;
     moved_ = true;
     ++statistics_.steps;
+    watchStability();
     adopt(last ? limit : beginTime_ + h);
     return StepStatus::Done;
   }

@@ -16,6 +16,7 @@ public:
   StepStatus step(double limit) override;
   bool shorten(double time) override;
   void interpolate(double time, double *state) override;
+  [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
   [[nodiscard]] double suggestedStep() const override { return next_; }
 
 private:
@@ -23,12 +24,14 @@ private:
   void adopt(double time);
   double initialStep(double limit);
   void updateScale();
+  void watchStability();
 
   std::unique_ptr<ElementMethod> method_;
   std::vector<double> scale_;
   double next_ = 0;  // suggested length
   bool first_ = true;
   bool moved_ = false;  // the end of the last step was accepted and is the next begin
+  int unstableSteps_ = 0, stableSteps_ = 0;
   std::vector<double> trial_, trialRate_;
 };
 

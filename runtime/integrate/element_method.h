@@ -30,6 +30,10 @@ public:
   [[nodiscard]] virtual double errorNorm(const double *scale, double tolerance) const = 0;
   [[nodiscard]] virtual double errorOrder() const = 0;
 
+  // h times an estimate of the largest eigenvalue of the Jacobian, relative to the border of the stability region: above 1 the step is
+  // limited by stability. 0 of methods that have no such limit.
+  [[nodiscard]] virtual double stabilityRatio() const { return 0; }
+
   [[nodiscard]] double *end() { return end_.data(); }
   [[nodiscard]] double *endRate() { return endRate_.data(); }
 

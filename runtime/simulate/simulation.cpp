@@ -90,6 +90,7 @@ private:
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
   bool skipTo(double limit);
+  bool fallBack();
   tf_status step(double limit);
   tf_status handle(DetectedEvent event);
   tf_status timeEvent();
@@ -447,16 +448,23 @@ bool Simulation::Implementation::skipTo(double limit) {
   return true;
 }
 
+// CVODE takes over for the rest of the mode.
+bool Simulation::Implementation::fallBack() {
+  useIntegrator(*fallback_);
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return false;
+  fallback_->start(time_, state_.data(), rate_.data(), 0);
+  detection_->watchStart();
+  return true;
+}
+
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
   StepStatus status = integrator_->step(limit);
   if (status != StepStatus::Done && fallback_ && integrator_ != fallback_.get()) {
-    useIntegrator(*fallback_);
-    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    if (!fallBack())
       return failEvaluation();
-    fallback_->start(time_, state_.data(), rate_.data(), 0);
-    detection_->watchStart();
     status = integrator_->step(limit);
   }
   if (status == StepStatus::Unsolvable && dynamics_.failure() != EvaluationFailure::None)
@@ -472,6 +480,8 @@ tf_status Simulation::Implementation::step(double limit) {
     return handle(event);
   detection_->advance();
   commit();
+  if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack())
+    return failEvaluation();
   return TF_OK;
 }
 
