@@ -44,6 +44,14 @@ private:
   std::filesystem::path folder_;
 };
 
+// Variables by number, under their names.
+std::vector<ResultColumn> columns(const tf_model &model, const std::vector<std::int32_t> &numbers) {
+  std::vector<ResultColumn> result;
+  for (const std::int32_t number : numbers)
+    result.push_back({number, 1, model.variables[number].name, model.variables[number].description});
+  return result;
+}
+
 std::vector<double> numbered(const tf_model &model) {
   std::vector<double> values(static_cast<std::size_t>(model.variable_count));
   std::iota(values.begin(), values.end(), 0.0);
@@ -83,7 +91,7 @@ TEST(CsvFields, AreQuotedOnlyWhereNeeded) {
 }
 
 TEST_F(ResultFiles, CsvRowsAreThereAsSoonAsTheyAreWritten) {
-  auto writer = ResultWriter::create(path("out.csv"), test::particleModel(), {0, 2, 5});
+  auto writer = ResultWriter::create(path("out.csv"), test::particleModel(), columns(test::particleModel(), {0, 2, 5}));
   ASSERT_TRUE(writer.ok()) << writer.error();
   EXPECT_TRUE(writer.value()->writeRow(numbered(test::particleModel())).ok());
   EXPECT_EQ(contents(path("out.csv")), "time,q[1],der(q[2])\r\n0,2,5\r\n");
@@ -92,7 +100,7 @@ TEST_F(ResultFiles, CsvRowsAreThereAsSoonAsTheyAreWritten) {
 }
 
 TEST_F(ResultFiles, JsonHasVariablesAndColumns) {
-  auto writer = ResultWriter::create(path("out.JSON"), test::particleModel(), {0, 2, 8});
+  auto writer = ResultWriter::create(path("out.JSON"), test::particleModel(), columns(test::particleModel(), {0, 2, 8}));
   ASSERT_TRUE(writer.ok()) << writer.error();
   auto values = numbered(test::particleModel());
   EXPECT_TRUE(writer.value()->writeRow(values).ok());
@@ -111,14 +119,14 @@ TEST_F(ResultFiles, JsonHasVariablesAndColumns) {
 
 TEST_F(ResultFiles, JsonIsWholeWithoutRowsAndWithoutFinish) {
   {
-    ASSERT_TRUE(ResultWriter::create(path("out.json"), test::relayModel(), {0}).ok());
+    ASSERT_TRUE(ResultWriter::create(path("out.json"), test::relayModel(), columns(test::relayModel(), {0})).ok());
   }
   EXPECT_EQ(nlohmann::json::parse(contents(path("out.json")))["data"]["time"].size(), 0u);
 }
 
 TEST_F(ResultFiles, RefusesUnknownSuffixesAndUnwritablePlaces) {
   const auto error = [](const std::string &file) {
-    const auto writer = ResultWriter::create(file, test::relayModel(), {0});
+    const auto writer = ResultWriter::create(file, test::relayModel(), columns(test::relayModel(), {0}));
     return writer.ok() ? "no error" : writer.error();
   };
   EXPECT_EQ(error("out.txt"), "cannot write results to 'out.txt': the name must end in .csv or .json");
@@ -126,7 +134,7 @@ TEST_F(ResultFiles, RefusesUnknownSuffixesAndUnwritablePlaces) {
   EXPECT_EQ(error("results.csv/out"), "cannot write results to 'results.csv/out': the name must end in .csv or .json");
   const std::string missing = path("nowhere/out.csv");
   EXPECT_EQ(error(missing), "cannot write '" + missing + "': No such file or directory");
-  const auto empty = ResultWriter::create(path("out.csv"), test::relayModel(), {});
+  const auto empty = ResultWriter::create(path("out.csv"), test::relayModel(), columns(test::relayModel(), {}));
   EXPECT_FALSE(empty.ok());
 }
 
@@ -134,10 +142,10 @@ TEST_F(ResultFiles, RefusesUnknownSuffixesAndUnwritablePlaces) {
 TEST_F(ResultFiles, ReportsAFullDisk) {
   std::filesystem::create_symlink("/dev/full", path("full.csv"));
   std::filesystem::create_symlink("/dev/full", path("full.json"));
-  const auto csv = ResultWriter::create(path("full.csv"), test::relayModel(), {0});
+  const auto csv = ResultWriter::create(path("full.csv"), test::relayModel(), columns(test::relayModel(), {0}));
   ASSERT_FALSE(csv.ok());
   EXPECT_EQ(csv.error(), "cannot write to '" + path("full.csv") + "': No space left on device");
-  auto json = ResultWriter::create(path("full.json"), test::relayModel(), {0});
+  auto json = ResultWriter::create(path("full.json"), test::relayModel(), columns(test::relayModel(), {0}));
   ASSERT_TRUE(json.ok());
   EXPECT_EQ(json.value()->finish().error(), "cannot write to '" + path("full.json") + "': No space left on device");
 }
@@ -147,10 +155,23 @@ TEST(VisibleColumns, LeaveOutProtectedVariables) {
   std::vector<tf_variable> variables(model.variables, model.variables + model.variable_count);
   variables[3].flags |= TF_PROTECTED;
   model.variables = variables.data();
-  std::vector<std::int32_t> expected(variables.size());
-  std::iota(expected.begin(), expected.end(), 0);
-  expected.erase(expected.begin() + 3);
-  EXPECT_EQ(visibleColumns(model), expected);
+  const auto visible = visibleColumns(model);
+  ASSERT_EQ(visible.size(), variables.size() - 1);
+  for (const ResultColumn &column : visible) {
+    EXPECT_NE(column.variable, 3);
+    EXPECT_STREQ(column.name, variables[static_cast<std::size_t>(column.variable)].name);
+  }
+}
+
+TEST_F(ResultFiles, OtherNamesAreColumnsAfterTheVariables) {
+  const tf_model &model = test::particleModel();
+  auto visible = visibleColumns(model);
+  ASSERT_EQ(visible.size(), static_cast<std::size_t>(model.variable_count + model.alias_count));
+  visible.erase(visible.begin() + 1, visible.begin() + model.variable_count);
+  auto writer = ResultWriter::create(path("out.csv"), model, visible);
+  ASSERT_TRUE(writer.ok()) << writer.error();
+  EXPECT_TRUE(writer.value()->writeRow(numbered(model)).ok());
+  EXPECT_EQ(contents(path("out.csv")), "time,x,vy,depth\r\n0,2,5,-3\r\n");
 }
 
 TEST_F(ResultFiles, EventLogHasStatesBeforeAndAfter) {
