@@ -34,7 +34,7 @@ TEST_P(Invariants, HoldAtEveryOutput) {
       }
       if (GetParam().isFree) {
         const double now = model.energy();
-        ASSERT_LE(now, energy + 1e-8 * scale) << "t = " << model.time() << ", integrator " << integrator;
+        ASSERT_LE(now, energy + 1e-7 * scale) << "t = " << model.time() << ", integrator " << integrator;
         energy = std::min(energy, now);
       }
     }
@@ -47,8 +47,8 @@ TEST_P(Invariants, HoldAtEveryOutput) {
 INSTANTIATE_TEST_SUITE_P(Examples, Invariants,
                          testing::Values(Case{"particle.tf", true}, Case{"incline.tf", true}, Case{"corner.tf", true},
                                          Case{"falling_rod.tf", true}, Case{"falling_box.tf", true}, Case{"chain.tf", true},
-                                         Case{"carts.tf", true}, Case{"pushed_block.tf", false}, Case{"moving_ground.tf", false},
-                                         Case{"pendulum_wall.tf", false}),
+                                         Case{"slider_crank.tf", true}, Case{"carts.tf", true}, Case{"pushed_block.tf", false},
+                                         Case{"moving_ground.tf", false}, Case{"pendulum_wall.tf", false}),
                          [](const testing::TestParamInfo<Case> &testCase) {
                            const std::string file = testCase.param.file;
                            return file.substr(0, file.find('.'));

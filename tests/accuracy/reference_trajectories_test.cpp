@@ -27,6 +27,12 @@ const Reference kChain{
     {"r[1]", "r[2]", "phi[1]", "phi[2]", "phi[3]", "der(r[1])", "der(r[2])", "der(phi[1])", "der(phi[2])", "der(phi[3])"},
     1e-6};
 
+const Reference kSlider{"S11_slidercrank_e0",
+                        "slider_crank.tf",
+                        {"th1", "th2", "th3", "w1", "w2", "w3"},
+                        {"phi[1]", "phi[2]", "phi[3]", "der(phi[1])", "der(phi[2])", "der(phi[3])"},
+                        1e-7};
+
 struct Case {
   const Reference *reference;
   tf_integrator integrator;
@@ -84,7 +90,9 @@ INSTANTIATE_TEST_SUITE_P(All, ReferenceTrajectory,
                                          Case{&kRod, TF_CVODE, "cvode"}, Case{&kBox, TF_AUTO, "auto"}, Case{&kBox, TF_STEP, "step"},
                                          Case{&kBox, TF_EXPLICIT, "explicit"}, Case{&kBox, TF_CVODE, "cvode"},
                                          Case{&kChain, TF_AUTO, "auto"}, Case{&kChain, TF_STEP, "step"},
-                                         Case{&kChain, TF_EXPLICIT, "explicit"}, Case{&kChain, TF_CVODE, "cvode"}),
+                                         Case{&kChain, TF_EXPLICIT, "explicit"}, Case{&kChain, TF_CVODE, "cvode"},
+                                         Case{&kSlider, TF_AUTO, "auto"}, Case{&kSlider, TF_STEP, "step"},
+                                         Case{&kSlider, TF_EXPLICIT, "explicit"}, Case{&kSlider, TF_CVODE, "cvode"}),
                          [](const testing::TestParamInfo<Case> &testCase) {
                            return std::string(testCase.param.reference->name) + "_" + testCase.param.integratorName;
                          });
