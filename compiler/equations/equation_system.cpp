@@ -139,13 +139,16 @@ bool EquationSystem::match(const Dependencies &symbols) {
 bool EquationSystem::reportUnmatched(const Dependencies &symbols) {
   std::vector<char> isMatched(equations_.size(), 0);
   bool isComplete = true;
+  std::map<flat::VariableId, std::vector<int>> undetermined;
   for (int unknown = 0; unknown < variables_.count(Role::Unknown); ++unknown) {
-    const int equation = equationOf_[static_cast<std::size_t>(unknown)];
-    if (equation >= 0) {
+    if (const int equation = equationOf_[static_cast<std::size_t>(unknown)]; equation >= 0)
       isMatched[static_cast<std::size_t>(equation)] = 1;
-      continue;
-    }
-    diagnostics_.report(diag::UndeterminedVariable, declarationOf(unknown), nameOf(unknown));
+    else
+      undetermined[variables_.scalars(Role::Unknown)[static_cast<std::size_t>(unknown)].variable].push_back(unknown);
+  }
+  for (const auto &[variable, unknowns] : undetermined) {
+    const std::string others = unknowns.size() > 1 ? fmt::format(" and {} more of its elements", unknowns.size() - 1) : "";
+    diagnostics_.report(diag::UndeterminedVariable, declarationOf(unknowns[0]), nameOf(unknowns[0]), others);
     isComplete = false;
   }
   for (std::size_t e = 0; e < equations_.size(); ++e)
@@ -157,29 +160,22 @@ bool EquationSystem::reportUnmatched(const Dependencies &symbols) {
 }
 
 void EquationSystem::reportUnmatchedEquation(const ScalarEquation &equation, const std::vector<int> &symbols) {
-  const Symbol *acceleration = nullptr, *coordinate = nullptr;
-  const auto all = ir::dependencies(graph_, std::array{equation.left, equation.right});
-  for (const auto &side : all)
-    for (const Symbol &symbol : side) {
-      if (symbol.kind == SymbolKind::Acceleration)
-        acceleration = &symbol;
-      if (symbol.kind == SymbolKind::Coordinate || symbol.kind == SymbolKind::Velocity)
-        coordinate = &symbol;
-    }
-  const auto coordinateName = [&](const Symbol &symbol) {
-    return variables_.name(variables_.scalars(Role::Coordinate)[static_cast<std::size_t>(symbol.index)]);
-  };
-  if (acceleration != nullptr) {
-    diagnostics_.report(diag::AccelerationEquation, equation.span, coordinateName(*acceleration));
-  } else if (symbols.empty() && coordinate != nullptr) {
-    diagnostics_.report(diag::ConstraintEquation, equation.span, coordinateName(*coordinate));
-  } else {
-    Diagnostic &diagnostic = diagnostics_.report(diag::RedundantEquation, equation.span);
-    for (const int id : symbols)
-      if (const int unknown = provisionals_[id].index;
-          provisionals_[id].kind == Provisional::Kind::Variable && equationOf_[static_cast<std::size_t>(unknown)] >= 0)
-        diagnostic.note(equationOf(unknown).span, fmt::format("'{}' is determined here", nameOf(unknown)));
+  std::string coordinate;
+  for (const auto &side : ir::dependencies(graph_, std::array{equation.left, equation.right}))
+    for (const Symbol symbol : side)
+      if (coordinate.empty() && (symbol.kind == SymbolKind::Coordinate || symbol.kind == SymbolKind::Velocity))
+        coordinate = variables_.name(variables_.scalars(Role::Coordinate)[static_cast<std::size_t>(symbol.index)]);
+  if (symbols.empty() && !coordinate.empty()) {
+    diagnostics_.report(diag::ConstraintEquation, equation.span, coordinate);
+    return;
   }
+  Diagnostic &diagnostic = diagnostics_.report(diag::RedundantEquation, equation.span);
+  for (const int id : symbols)
+    if (const int unknown = provisionals_[id].index;
+        provisionals_[id].kind == Provisional::Kind::Variable && equationOf_[static_cast<std::size_t>(unknown)] >= 0)
+      diagnostic.note(equationOf(unknown).span, fmt::format("'{}' is determined here", nameOf(unknown)));
+  if (!coordinate.empty())
+    diagnostic.note(equation.span, fmt::format("it would restrict the coordinate '{}' (not supported yet)", coordinate));
 }
 
 // The provisional symbols that the definition of `id` is made of; new ones are added where a derivative needs others' derivatives.
@@ -351,8 +347,16 @@ bool EquationSystem::defineDerivative(int id) {
     isKnown = false;
     return graph_.constant(0);
   };
+  makeDiscontinuous(lower);
   definitions_[static_cast<std::size_t>(id)] = ir::forwardDerivative(graph_, std::array{lower}, seed)[0];
   return isKnown;
+}
+
+void EquationSystem::makeDiscontinuous(NodeId node) {
+  for (const Symbol symbol : symbolsOf(graph_, node))
+    if (symbol.kind == SymbolKind::StepVariable)
+      if (Switch &switching = switches_[static_cast<std::size_t>(symbol.index)]; switching.kind == SwitchKind::Continuous)
+        switching.kind = SwitchKind::Sliding;
 }
 
 bool EquationSystem::defineSwitch(int id) {

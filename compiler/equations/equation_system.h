@@ -51,6 +51,8 @@ public:
   [[nodiscard]] ir::NodeId definition(int unknown);
   [[nodiscard]] const std::vector<ir::NodeId> &stateDerivatives() const { return stateDerivatives_; }
   [[nodiscard]] const std::vector<Switch> &switches() const { return switches_; }
+  // The derivative of `node` is used: where abs, min or max in it has a kink, its derivative jumps, and sliding is possible.
+  void makeDiscontinuous(ir::NodeId node);
   // The equation that determines an unknown.
   [[nodiscard]] const ScalarEquation &equationOf(int unknown) const {
     return equations_[static_cast<std::size_t>(equationOf_[static_cast<std::size_t>(unknown)])];

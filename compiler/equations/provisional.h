@@ -36,6 +36,7 @@ public:
   [[nodiscard]] int size() const { return static_cast<int>(all_.size()); }
   [[nodiscard]] const Provisional &operator[](int id) const { return all_[static_cast<std::size_t>(id)]; }
   [[nodiscard]] const std::vector<ProvisionalSwitch> &switches() const { return switches_; }
+  void makeDiscontinuous(int switching) { switches_[static_cast<std::size_t>(switching)].isContinuous = false; }
 
 private:
   std::vector<Provisional> all_;

@@ -149,9 +149,6 @@ NodeId Scalariser::equality(const Expr &expression, NodeId a, NodeId b) {
   } else if (isBoolean) {
     // a·b + (1 − a)(1 − b): multi-affine in the step variables.
     equal = graph_.add(graph_.mul(a, b), graph_.mul(negation(a), negation(b)));
-  } else if (expression.args[0]->type.base == flat::Base::Real || expression.args[1]->type.base == flat::Base::Real) {
-    diagnostics_.report(diag::RealEquality, expression.span, relationName(expression.op));
-    equal = graph_.constant(0);
   } else {
     diagnostics_.report(diag::UnsupportedFunction, expression.span,
                         fmt::format("'{}' of a variable that changes during the run", relationName(expression.op)));

@@ -263,11 +263,9 @@ std::vector<NodeId> Scalariser::timeDerivative(std::span<const NodeId> nodes, Sp
       return graph_.constant(0);
     case SymbolKind::Unknown: {
       const Provisional of = provisionals_[symbol.index];
-      if (of.kind == Provisional::Kind::Switch)
-        return graph_.constant(0);
-      const ScalarVariable scalar = variables_.scalars(Role::Unknown)[static_cast<std::size_t>(of.index)];
-      if (variables_.variable(scalar).type.base != flat::Base::Real) {
-        diagnostics_.report(diag::DerivativeOfDiscrete, span, variables_.name(scalar));
+      // A step variable is constant within a mode; the derivative of a kink jumps.
+      if (of.kind == Provisional::Kind::Switch) {
+        provisionals_.makeDiscontinuous(of.index);
         return graph_.constant(0);
       }
       return graph_.symbol(SymbolKind::Unknown, provisionals_.variable(of.index, of.order + 1, span));

@@ -82,15 +82,17 @@ void takeOver(mechanics::Derivation &d) {
   system.nu = d.variables.count(Role::Input);
   system.np = d.variables.count(Role::Parameter);
   system.stateDerivatives = d.equations.stateDerivatives();
-  for (const equations::Switch &switching : d.equations.switches())
-    system.switches.push_back({switching.text, switching.span, switching.condition, switchKind(switching.kind), switching.zeroIsPositive});
-  for (const int state : d.equations.states())
-    d.names.states.push_back(d.variables.name(d.variables.scalars(Role::Unknown)[static_cast<std::size_t>(state)]));
   std::vector<NodeId> nodes;
   d.elements.forEachNode([&](NodeId &node) { nodes.push_back(node); });
   nodes = d.equations.resolve(nodes);
   std::size_t next = 0;
   d.elements.forEachNode([&](NodeId &node) { node = nodes[next++]; });
+  for (const mechanics::PotentialEntry &potential : d.elements.potentials)
+    d.equations.makeDiscontinuous(potential.energy);  // its gradient acts
+  for (const equations::Switch &switching : d.equations.switches())
+    system.switches.push_back({switching.text, switching.span, switching.condition, switchKind(switching.kind), switching.zeroIsPositive});
+  for (const int state : d.equations.states())
+    d.names.states.push_back(d.variables.name(d.variables.scalars(Role::Unknown)[static_cast<std::size_t>(state)]));
 }
 
 }  // namespace

@@ -88,7 +88,7 @@ void ElementTable::number(equations::SymbolNames &names) {
     }
 }
 
-const Array *ElementTable::attribute(flat::ElementId id, const std::string &name, Span reference) {
+const Array *ElementTable::attribute(flat::ElementId id, const std::string &name) {
   const std::pair key{id, name};
   if (const auto known = attributes_.find(key); known != attributes_.end())
     return &known->second;
@@ -100,12 +100,9 @@ const Array *ElementTable::attribute(flat::ElementId id, const std::string &name
     const NodeId value = graph_.constant(defaultValue(name));
     return &(attributes_[key] = {owner.dims, std::vector<NodeId>(static_cast<std::size_t>(entryCount(owner)), value)});
   }
-  const std::vector<int> &dims = given->value->type.dims;
-  if (!inProgress_.emplace(key, reference).second) {
-    diagnostics_.report(equations::diag::AttributeCycle, reference, owner.name + "." + name);
-    return &(attributes_[key] = {dims, std::vector<NodeId>(static_cast<std::size_t>(given->value->type.size()), graph_.constant(0))});
-  }
-  Array value{dims, scalariser_(*given->value)};
+  [[maybe_unused]] const bool isNew = inProgress_.insert(key).second;
+  assert(isNew && "attributes in a circle are refused before");
+  Array value{given->value->type.dims, scalariser_(*given->value)};
   inProgress_.erase(key);
   return &(attributes_[key] = std::move(value));
 }
@@ -178,7 +175,7 @@ void ElementTable::addEntry(Elements &elements, flat::ElementId id, int position
 }
 
 Array ElementTable::value(const flat::Expr &reference) {
-  if (const Array *given = attribute(reference.element, reference.attribute, reference.span))
+  if (const Array *given = attribute(reference.element, reference.attribute))
     return *given;
   return result(reference);
 }
@@ -189,7 +186,7 @@ Array ElementTable::result(const flat::Expr &reference) {
   const std::string &name = reference.attribute;
   const Rows rows = rows_[static_cast<std::size_t>(id)];
   if (name == "velocity")
-    if (const Array *position = attribute(id, "position", reference.span)) {
+    if (const Array *position = attribute(id, "position")) {
       const Array place = *position;
       return {place.dims, scalariser_.timeDerivative(place.nodes, reference.span)};
     }

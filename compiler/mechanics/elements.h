@@ -5,6 +5,7 @@
 #include "compiler/equations/scalariser.h"
 
 #include <map>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -71,7 +72,7 @@ public:
   // The whole of `element.attribute` before the reference's indices: an attribute or a result.
   [[nodiscard]] equations::Array value(const flat::Expr &reference);
   // A given attribute or its default; null if neither.
-  [[nodiscard]] const equations::Array *attribute(flat::ElementId element, const std::string &name, Span reference = {});
+  [[nodiscard]] const equations::Array *attribute(flat::ElementId element, const std::string &name);
   // All entries, with attributes as they are before the equations are solved. Reports what is not supported yet.
   [[nodiscard]] Elements entries();
 
@@ -97,7 +98,7 @@ private:
   equations::Scalariser &scalariser_;
   Diagnostics &diagnostics_;
   std::map<std::pair<flat::ElementId, std::string>, equations::Array> attributes_;
-  std::map<std::pair<flat::ElementId, std::string>, Span> inProgress_;
+  std::set<std::pair<flat::ElementId, std::string>> inProgress_;
   std::vector<int> contactFirst_;  // of elements
   std::vector<Rows> rows_;         // of elements
   int tangents_ = 0;
