@@ -96,6 +96,7 @@ private:
   [[nodiscard]] bool preferred() const;
   bool evaluateRedundant(Candidate &candidate);
   bool updateMode(Candidate &candidate) const;
+  bool accept();
   bool activeSet(const PlanarFrictionMode *start);
   bool pivot();
   int assignVariables();

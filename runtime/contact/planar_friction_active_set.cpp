@@ -1,0 +1,134 @@
+// The planar friction problem by a primal-dual active set, which is a semismooth Newton method (Hintermüller, Ito and Kunisch, SIAM J.
+// Optim. 13, 2002): each iteration solves the equations of one mode and moves every row whose condition fails to the state that the sign of
+// its force or acceleration asks for. A few iterations from a good start, many rows at once; no guarantee, so pivoting stands behind it.
+#include "runtime/contact/planar_friction.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+constexpr int iterationLimit = 25;
+// Added to the diagonal (which is 1) of singular modes; refinement takes its effect away again and leaves the least-norm force.
+constexpr double regularisation = 1e-6;
+constexpr int refinements = 30;
+// What rounding leaves, relative to the magnitude of the data: a solution is refined to this, and accepted with the tolerance of the caller
+// only where nothing improves it.
+constexpr double roundingError = 1e-13;
+
+}  // namespace
+
+// Forces of a singular mode whose equations are consistent: iterated proximal points x ← x + (A + δ I)⁻¹ (b − A x).
+bool PlanarFrictionSolver::evaluateRedundant(Candidate &candidate) {
+  equations_.assemble(rows_, modeMatrix_);
+  const int k = equations_.activeCount();
+  DenseMatrix &A = factor_.matrix();
+  A.resize(k, k);
+  std::copy_n(modeMatrix_.data(), k * k, A.data());
+  for (int r = 0; r < k; ++r)
+    A(r, r) += regularisation;
+  if (!factor_.factor(0))
+    return false;
+  const int count = scaled_.normalCount + scaled_.tangentCount;
+  unknown_.resize(k);
+  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
+  target_.assign(unknown_.begin(), unknown_.end());
+  factor_.solve(unknown_.data());
+  for (int pass = 0; pass < refinements; ++pass) {
+    residual_.assign(target_.begin(), target_.end());
+    for (int c = 0; c < k; ++c)
+      for (int r = 0; r < k; ++r)
+        residual_[r] -= modeMatrix_(r, c) * unknown_[c];
+    double largest = 0;
+    for (const double r : residual_)
+      largest = std::max(largest, std::abs(r));
+    if (largest <= 1e-2 * roundingError * magnitude_)
+      break;
+    factor_.solve(residual_.data());
+    for (int r = 0; r < k; ++r)
+      unknown_[r] += residual_[r];
+  }
+  candidate.force.resize(count);
+  candidate.acceleration.resize(count);
+  equations_.expand(rows_, unknown_.data(), candidate.force.data(), candidate.acceleration.data());
+  // The active rows' accelerations as they are, not as they should be: the certificate must see contradictions.
+  for (int r = 0; r < k; ++r) {
+    double value = -target_[r];
+    for (int c = 0; c < k; ++c)
+      value += modeMatrix_(r, c) * unknown_[c];
+    candidate.acceleration[equations_.active()[r]] = value;
+  }
+  candidate.violation = violation(candidate.force, candidate.acceleration);
+  return std::isfinite(candidate.violation);
+}
+
+// False where nothing changes.
+bool PlanarFrictionSolver::updateMode(Candidate &candidate) const {
+  const int n = scaled_.normalCount;
+  const double zero = roundingError * magnitude_;
+  bool changed = false;
+  const auto move = [&changed](auto &state, auto next) {
+    changed = changed || state != next;
+    state = next;
+  };
+  for (int i = 0; i < n; ++i) {
+    if (scaled_.normalKind[i] != NormalKind::Unilateral)
+      continue;
+    NormalState &state = candidate.mode.normal[i];
+    const double force = candidate.force[i], acceleration = candidate.acceleration[i];
+    if (state == NormalState::Active && force < -zero)
+      move(state, NormalState::Off);
+    else if (state == NormalState::Active && force > scaled_.upper[i] + zero)
+      move(state, NormalState::Upper);
+    else if ((state == NormalState::Off && acceleration < -zero) || (state == NormalState::Upper && acceleration > zero))
+      move(state, NormalState::Active);
+  }
+  for (int j = 0; j < scaled_.tangentCount; ++j) {
+    const TangentKind kind = scaled_.tangentKind[j];
+    if (kind != TangentKind::TwoSided && kind != TangentKind::OneSided)
+      continue;
+    std::int8_t &slip = candidate.mode.slip[j];
+    const double force = candidate.force[n + j], bound = limit(j, candidate.force);
+    if (slip != 0 && slip * candidate.acceleration[n + j] < -zero)
+      move(slip, std::int8_t{0});
+    else if (slip == 0 && carriesForce(j, candidate.mode) && std::abs(force) > bound + zero &&
+             (kind == TangentKind::TwoSided || force * scaled_.sign[j] > 0))
+      move(slip, static_cast<std::int8_t>(force > 0 ? -1 : 1));
+  }
+  return changed;
+}
+
+bool PlanarFrictionSolver::accept() {
+  if (!stable(trial_.mode))
+    return false;
+  std::swap(best_, trial_);
+  return true;
+}
+
+bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start) {
+  const int n = scaled_.normalCount;
+  trial_.mode.normal.resize(n);
+  trial_.mode.slip.assign(scaled_.tangentCount, 0);
+  if (start != nullptr) {
+    trial_.mode.normal = start->normal;
+    trial_.mode.slip = start->slip;
+  } else {
+    for (int i = 0; i < n; ++i)
+      trial_.mode.normal[i] = scaled_.bias[i] < 0 ? NormalState::Active : NormalState::Off;
+  }
+  for (int iteration = 0; iteration < iterationLimit; ++iteration) {
+    completeMode(trial_.mode);
+    if (!evaluate(trial_) && !evaluateRedundant(trial_))
+      return false;
+    if (trial_.violation <= 10 * roundingError)
+      return accept();
+    if (!updateMode(trial_))
+      return trial_.violation <= tolerance_ && accept();
+  }
+  return false;
+}
+
+}  // namespace tf::runtime
