@@ -276,17 +276,35 @@ std::span<const BuiltinFunction> arrayFunctions() {
   return kFunctions;
 }
 
+// A balanced tree of calls of two arguments.
 ExprPtr foldArray(Typer &typer, Function function, const ExprPtr &array, Span span) {
   std::vector<ExprPtr> parts = scalars(array, span);
   if (parts.empty()) {
     typer.diagnostics().report(diag::EmptyArray, span);
     return nullptr;
   }
+  while (parts.size() > 1) {
+    std::vector<ExprPtr> halves;
+    for (std::size_t i = 0; i + 1 < parts.size(); i += 2)
+      halves.push_back(makeCall(function, parts[i]->type, {parts[i], parts[i + 1]}, span));
+    if (parts.size() % 2 == 1)
+      halves.push_back(parts.back());
+    parts = std::move(halves);
+  }
+  return parts[0];
+}
+
+namespace {
+
+// Arrays are added element by element (MLS 10.3.4.1).
+ExprPtr sumOfArrays(Typer &typer, const std::vector<ExprPtr> &parts, bool isSum, Span span) {
   ExprPtr result = parts[0];
   for (std::size_t i = 1; i < parts.size(); ++i)
-    result = makeCall(function, result->type, {result, parts[i]}, span);
+    result = makeBinary(isSum ? flat::Operator::Plus : flat::Operator::Times, result, parts[i], span, typer.diagnostics());
   return result;
 }
+
+}  // namespace
 
 ExprPtr typeReduction(Typer &typer, std::string_view name, const ast::Expr &call) {
   const ast::Expr &body = *call.operands[0];
@@ -316,10 +334,9 @@ ExprPtr typeReduction(Typer &typer, std::string_view name, const ast::Expr &call
     return foldArray(typer, name == "min" ? Function::Min : Function::Max, all, call.span);
   if (!expectArgument(typer, all, isNumeric(all->type.base), "numbers"))
     return nullptr;
-  ExprPtr result = parts[0];
-  for (std::size_t i = 1; i < parts.size(); ++i)
-    result = makeBinary(isSum ? flat::Operator::Plus : flat::Operator::Times, result, parts[i], call.span, typer.diagnostics());
-  return result;
+  if (!parts[0]->type.dims.empty())
+    return sumOfArrays(typer, parts, isSum, call.span);
+  return makeCall(isSum ? Function::Sum : Function::Product, {all->type.base, {}}, {all}, call.span);
 }
 
 }  // namespace tf::semantics

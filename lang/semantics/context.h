@@ -13,9 +13,11 @@
 namespace tf::semantics {
 
 // Limits that keep hostile input from exhausting stack and memory; far beyond any sensible model.
-inline constexpr int kMaximumNesting = 100;          // components within components, base classes of base classes
-inline constexpr int kMaximumExpressionDepth = 400;  // nested expressions, inlined calls and bindings followed
-inline constexpr int kMaximumArraySize = 1'000'000;  // scalars of one array
+inline constexpr int kMaximumNesting = 100;             // components within components, base classes of base classes
+inline constexpr int kMaximumExpressionHeight = 4000;   // of a typed expression
+inline constexpr double kMaximumExpressionNodes = 2e6;  // of a typed expression, as a tree
+inline constexpr int kMaximumExpressionDepth = 400;     // nested expressions, inlined calls and bindings followed
+inline constexpr int kMaximumArraySize = 1'000'000;     // scalars of one array
 inline constexpr int kMaximumComponents = 200'000;
 inline constexpr long kMaximumTypedNodes = 20'000'000;
 

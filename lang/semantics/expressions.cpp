@@ -26,8 +26,6 @@ Expr node(ExprKind kind, Type type, std::vector<ExprPtr> args, Span span) {
   return result;
 }
 
-ExprPtr share(Expr &&expr) { return std::make_shared<const Expr>(std::move(expr)); }
-
 bool anyNull(const std::vector<ExprPtr> &parts) {
   return std::ranges::any_of(parts, [](const ExprPtr &part) { return part == nullptr; });
 }
@@ -46,6 +44,14 @@ std::string_view spelling(Operator op) {
 bool isRelation(Operator op) { return op >= Operator::Less; }
 
 }  // namespace
+
+ExprPtr share(Expr &&expr) {
+  for (const ExprPtr &arg : expr.args) {
+    expr.height = std::max(expr.height, arg->height + 1);
+    expr.nodes += arg->nodes;
+  }
+  return std::make_shared<const Expr>(std::move(expr));
+}
 
 int sizeOf(const std::vector<int> &dims) { return std::accumulate(dims.begin(), dims.end(), 1, std::multiplies<>()); }
 
@@ -84,6 +90,8 @@ ExprPtr toReal(const ExprPtr &value) {
   if (value == nullptr || value->type.base != Base::Integer)
     return value;
   Expr copy = *value;
+  copy.height = 1;
+  copy.nodes = 1;
   copy.type.base = Base::Real;
   if (copy.kind == ExprKind::Array || copy.kind == ExprKind::Concatenate)
     for (ExprPtr &arg : copy.args)

@@ -18,6 +18,9 @@ using flat::ExprPtr;
 using flat::Type;
 using flat::Variability;
 
+// Completes a node: its height and size follow from its arguments.
+[[nodiscard]] ExprPtr share(flat::Expr &&expr);
+
 [[nodiscard]] ExprPtr makeReal(double value, Span span);
 [[nodiscard]] ExprPtr makeInteger(double value, Span span);
 [[nodiscard]] ExprPtr makeBoolean(bool value, Span span);

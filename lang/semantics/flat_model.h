@@ -143,6 +143,9 @@ struct Expr {
   std::vector<Selection> indices;  // empty: the whole
   int axis = 0;
   std::vector<ExprPtr> args;
+  // As a tree; bounded, so that recursive walks of what the front end makes are safe and end.
+  int height = 1;
+  double nodes = 1;
 };
 
 enum class Causality : std::uint8_t { Local, Input, Output };

@@ -12,8 +12,6 @@ using flat::Selection;
 
 namespace {
 
-ExprPtr share(Expr &&expr) { return std::make_shared<const Expr>(std::move(expr)); }
-
 Selection whole(int size) {
   Selection all;
   for (int i = 1; i <= size; ++i)
@@ -118,6 +116,8 @@ ExprPtr makeIndex(const ExprPtr &array, std::vector<Selection> selections, Span 
   }
   case ExprKind::Derivative: {
     Expr copy = *array;
+    copy.height = 1;
+    copy.nodes = 1;
     copy.args[0] = makeIndex(copy.args[0], std::move(selections), span);
     copy.type = type;
     return share(std::move(copy));

@@ -83,7 +83,16 @@ ExprPtr Typer::type(const ast::Expr &expr) {
   ++context_.expressionDepth;
   ExprPtr result = typeUnguarded(expr);
   --context_.expressionDepth;
-  return result;
+  return isWithinLimits(result, expr.span) ? result : nullptr;
+}
+
+bool Typer::isWithinLimits(const ExprPtr &typed, Span span) {
+  if (typed == nullptr || (typed->height <= kMaximumExpressionHeight && typed->nodes <= kMaximumExpressionNodes))
+    return true;
+  if (!context_.isTooDeep)
+    context_.diagnostics.report(diag::NestedTooDeeply, span);
+  context_.isTooDeep = true;
+  return false;
 }
 
 ExprPtr Typer::typeUnguarded(const ast::Expr &expr) {
@@ -170,19 +179,28 @@ ExprPtr Typer::typeLocal(const Locals &local, const ast::ReferencePart &part, Sp
   return nullptr;
 }
 
+// Long sums lean to the left: their spine is walked in a loop.
 ExprPtr Typer::typeBinary(const ast::Expr &expr) {
-  const ExprPtr left = type(*expr.operands[0]);
-  const ExprPtr right = type(*expr.operands[1]);
+  std::vector<const ast::Expr *> spine;
+  const ast::Expr *first = &expr;
+  for (; first->kind == ast::ExprKind::Binary; first = first->operands[0])
+    spine.push_back(first);
+  ExprPtr result = type(*first);
+  for (auto node = spine.rbegin(); node != spine.rend(); ++node)
+    result = combine(**node, result, type(*(*node)->operands[1]));
+  return result;
+}
+
+ExprPtr Typer::combine(const ast::Expr &expr, const ExprPtr &left, const ExprPtr &right) {
+  if (left == nullptr || right == nullptr)
+    return nullptr;
   const bool isElementwise = expr.op == ast::Operator::DotPlus || expr.op == ast::Operator::DotMinus;
   const bool isEquality = expr.op == ast::Operator::Equal || expr.op == ast::Operator::NotEqual;
-  if (isEquality && left != nullptr && right != nullptr && !scope_.isFunctionBody &&
-      (left->type.base == Base::Real || right->type.base == Base::Real) &&
+  if (isEquality && !scope_.isFunctionBody && (left->type.base == Base::Real || right->type.base == Base::Real) &&
       std::max(left->variability, right->variability) > Variability::Parameter) {
     diagnostics().report(diag::RealEquality, expr.span);
     return nullptr;
   }
-  if (left == nullptr || right == nullptr)
-    return nullptr;
   return makeBinary(operatorOf(expr.op), left, right, expr.span, diagnostics(), isElementwise);
 }
 

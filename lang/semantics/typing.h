@@ -62,6 +62,8 @@ protected:
 
 private:
   ExprPtr typeUnguarded(const ast::Expr &expr);
+  bool isWithinLimits(const ExprPtr &typed, Span span);
+  ExprPtr combine(const ast::Expr &expr, const ExprPtr &left, const ExprPtr &right);
   ExprPtr typeString(const ast::Expr &expr);
   ExprPtr typeBinary(const ast::Expr &expr);
   ExprPtr typeRange(const ast::Expr &expr);

@@ -48,5 +48,30 @@ std::string nameOf(const ::testing::TestParamInfo<std::filesystem::path> &info) 
 
 INSTANTIATE_TEST_SUITE_P(Files, Conformance, ::testing::ValuesIn(conformanceFiles()), nameOf);
 
+// Every example of the reference's chapters is a correct model.
+TEST(ReferenceChapters, examplesInstantiate) {
+  int examples = 0;
+  for (const auto &entry : std::filesystem::directory_iterator(std::string(TF_SOURCE_DIR) + "/lang/reference")) {
+    if (entry.path().extension() != ".md")
+      continue;
+    static const std::string kFence = "```modelica\n";
+    const std::string page = readFile(entry.path());
+    for (std::size_t at = page.find(kFence); at != std::string::npos; at = page.find(kFence, at + 1)) {
+      const std::size_t begin = at + kFence.size();
+      const std::string example = page.substr(begin, page.find("```", begin) - begin);
+      const Workspace workspace;
+      Outcome choice;
+      instantiateText(choice, workspace, example);
+      const auto &candidates = choice.instantiation.candidates;
+      Outcome outcome;
+      instantiateText(outcome, workspace, example, candidates.empty() ? "" : candidates.back());
+      EXPECT_EQ(outcome.rendered(workspace), "") << entry.path();
+      EXPECT_TRUE(outcome.instantiation.model.has_value()) << entry.path();
+      ++examples;
+    }
+  }
+  EXPECT_GE(examples, 8);
+}
+
 }  // namespace
 }  // namespace tf::test

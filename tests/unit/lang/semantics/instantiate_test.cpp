@@ -299,6 +299,48 @@ end M;
   EXPECT_EQ(flat.find("slow"), std::string::npos);
 }
 
+// What grows without bound is refused; long sums and large reductions are not.
+TEST(Instantiate, limits) {
+  const std::string functions = R"(
+function power
+  input Real x;
+  output Real y;
+algorithm
+  y := x;
+  for i in 1:100 loop
+    y := y + y;
+  end for;
+end power;
+function endless
+  input Real x;
+  output Real y;
+algorithm
+  y := endless(x);
+end endless;
+model Doubling
+  Real x = power(time);
+end Doubling;
+model Endless
+  Real x = endless(time);
+end Endless;
+model Reduction
+  Real x = sum(sin(i*time) for i in 1:5000) + max(cos(i*time) for i in 1:5000);
+end Reduction;
+)";
+  for (const char *model : {"Doubling", "Endless"}) {
+    const Workspace workspace;
+    Outcome outcome;
+    instantiateText(outcome, workspace, functions, model);
+    ASSERT_EQ(outcome.diagnostics.errorCount(), 1) << outcome.rendered(workspace);
+    EXPECT_STREQ(outcome.diagnostics.all()[0].kind->code, "TF0237");
+  }
+  EXPECT_NE(flatten(functions, "Reduction"), "");
+  std::string sum = "model M Real x = time";
+  for (int i = 0; i < 1500; ++i)
+    sum += " + time";
+  EXPECT_NE(flatten(sum + "; end M;"), "");
+}
+
 TEST(Instantiate, severalModelsAreCandidates) {
   const Workspace workspace;
   Outcome outcome;
