@@ -99,26 +99,32 @@ std::optional<InputExpression> InputExpression::parse(const std::string &name, c
   return InputExpression(std::move(folded), startTime, horizon);
 }
 
-InputExpression::Piece InputExpression::pieceAt(double segment) const {
-  Piece piece{segment, std::numeric_limits<double>::infinity(), nullptr, {}};
-  piece.smooth = smoothPiece(expression_, segment, piece.switching);
-  for (const flat::ExprPtr &function : piece.switching)
-    piece.to = std::min(piece.to, firstZero(function, segment, horizon_, resolution_));
-  return piece;
+InputExpression::InputExpression(flat::ExprPtr expression, double startTime, double horizon)
+    : expression_(std::move(expression)), resolution_((horizon - startTime) / 2048), horizon_(horizon) {
+  append(startTime);
 }
 
-double InputExpression::value(double time, double segment) {
-  if (!piece_ || segment < piece_->from || segment >= piece_->to)
-    piece_ = pieceAt(segment);
-  return valueAt(piece_->smooth, time);
+void InputExpression::append(double from) {
+  // Decisions are those just after the piece's beginning: far enough that one that changes there is made, near enough that none is passed
+  // over.
+  const double inside = from + 1e-12 * std::max(1.0, std::abs(from));
+  std::vector<flat::ExprPtr> switching;
+  Piece piece{from, std::numeric_limits<double>::infinity(), smoothPiece(expression_, inside, switching)};
+  for (const flat::ExprPtr &function : switching)
+    piece.to = std::min(piece.to, firstZero(function, inside, horizon_, resolution_));
+  pieces_.push_back(std::move(piece));
 }
 
-double InputExpression::nextBreakpoint(double time) {
-  // Just after `time`: far enough that a decision that falls at `time` itself is made, near enough that none is passed over.
-  const double segment = time + 1e-12 * std::max(1.0, std::abs(time));
-  if (!piece_ || segment < piece_->from || segment >= piece_->to)
-    piece_ = pieceAt(segment);
-  return piece_->to;
+const InputExpression::Piece &InputExpression::pieceAt(double time) {
+  while (pieces_.back().to <= time)
+    append(pieces_.back().to);
+  const auto next =
+      std::upper_bound(pieces_.begin() + 1, pieces_.end(), time, [](double value, const Piece &piece) { return value < piece.from; });
+  return *(next - 1);
 }
+
+double InputExpression::value(double time, double segment) { return valueAt(pieceAt(segment).smooth, time); }
+
+double InputExpression::nextBreakpoint(double time) { return pieceAt(time).to; }
 
 }  // namespace tf::driver

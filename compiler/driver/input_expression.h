@@ -30,21 +30,21 @@ public:
   double nextBreakpoint(double time);
 
 private:
-  // The expression with all decisions of a time inside the piece made, and the functions of time whose zeros end it.
+  // The expression with all decisions of a time inside the piece made.
   struct Piece {
-    double from, to;
+    double from, to;  // `to`: where one of the decisions changes
     flat::ExprPtr smooth;
-    std::vector<flat::ExprPtr> switching;
   };
 
-  InputExpression(flat::ExprPtr expression, double startTime, double horizon)
-      : expression_(std::move(expression)), resolution_((horizon - startTime) / 2048), horizon_(horizon) {}
+  InputExpression(flat::ExprPtr expression, double startTime, double horizon);
 
-  [[nodiscard]] Piece pieceAt(double segment) const;
+  void append(double from);
+  // The piece that the time lies in; the one that begins there at a breakpoint.
+  const Piece &pieceAt(double time);
 
   flat::ExprPtr expression_;  // parameters folded: what is no literal depends on time
   double resolution_, horizon_;
-  std::optional<Piece> piece_;
+  std::vector<Piece> pieces_;  // in order, without gaps, as far as they were asked for
 };
 
 }  // namespace tf::driver

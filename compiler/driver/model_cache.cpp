@@ -30,13 +30,14 @@ std::string fileDigest(const std::string &path) {
   return file ? digest(std::string(std::istreambuf_iterator<char>(file), {})) : std::string();
 }
 
-// Over the names that a class could be found under: sources and folders.
+// Over the names that a class could be found under: sources, and folders that are packages.
 std::string folderDigest(const std::string &folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
     const fs::path extension = entry->path().extension();
-    if (extension == ".tf" || extension == ".mo" || entry->is_directory(error))
+    const bool isPackage = fs::exists(entry->path() / "package.mo", error) || fs::exists(entry->path() / "package.tf", error);
+    if (extension == ".tf" || extension == ".mo" || isPackage)
       names.push_back(entry->path().filename().string() + '\n');
   }
   std::sort(names.begin(), names.end());

@@ -20,7 +20,7 @@ constexpr std::size_t kTime = 0;  // column of every model's table
 
 ResultRows::ResultRows(tf_simulation *simulation, const RunOptions &options)
     : simulation_(simulation), policy_(options.events), noteEvents_(options.verbose),
-      row_(static_cast<std::size_t>(tf_get_model(simulation)->variable_count)) {}
+      row_(static_cast<std::size_t>(tf_get_model(simulation)->variable_count)), before_(row_.size()) {}
 
 Outcome<std::unique_ptr<ResultRows>> ResultRows::create(tf_simulation *simulation, const RunOptions &options) {
   std::unique_ptr<ResultRows> rows(new ResultRows(simulation, options));
@@ -71,9 +71,13 @@ void ResultRows::event(const tf_event &event) {
   if (!results_)
     return;
   if (policy_ == EventRows::Both) {
-    tf_get_all_before(simulation_, row_.data());
-    write(row_);
+    tf_get_all_before(simulation_, before_.data());
     tf_get_all(simulation_, row_.data());
+    if (sameRow(before_, eventBefore_) && sameRow(row_, eventAfter_))
+      return;
+    eventBefore_ = before_;
+    eventAfter_ = row_;
+    write(before_);
     write(row_);
     return;
   }

@@ -47,7 +47,9 @@ private:
   bool noteEvents_;
   std::unique_ptr<runtime::ResultWriter> results_;
   std::unique_ptr<runtime::EventLog> log_;
-  std::vector<double> row_, lastRow_, pending_;  // pending_: after an event (--events after), until time goes on
+  std::vector<double> row_, before_, lastRow_;
+  std::vector<double> eventBefore_, eventAfter_;  // rows of the latest event: several events of one impact have the same
+  std::vector<double> pending_;                   // after an event (--events after), until time goes on
   bool isPending_ = false;
   std::vector<EventNote> events_;
   long long rowCount_ = 0;

@@ -30,7 +30,7 @@ TEST_F(Cache, IsUsedByTheSecondRun) {
   EXPECT_THAT(first.err, HasSubstr("(compiled)"));
   EXPECT_THAT(second.err, HasSubstr("(cached)"));
   EXPECT_EQ(first.out, second.out);
-  EXPECT_THAT(second.out, HasSubstr("x[2] = 2\n"));
+  EXPECT_NEAR(finalValue(second, "x[2]"), 2, 1e-9);
 }
 
 TEST_F(Cache, NoticesAChangedSource) {
@@ -40,22 +40,22 @@ TEST_F(Cache, NoticesAChangedSource) {
   writeFile(folder.path() / "growth.tf", changed);
   const ProcessResult result = run({});
   EXPECT_THAT(result.err, HasSubstr("(compiled)"));
-  EXPECT_THAT(result.out, HasSubstr("x[1] = 4\n"));
+  EXPECT_NEAR(finalValue(result, "x[1]"), 4, 1e-9);
 }
 
 TEST_F(Cache, KeepsStructuralValuesApart) {
-  EXPECT_THAT(run({"--set", "n=3"}).out, HasSubstr("x[3] = 2\n"));
+  EXPECT_NEAR(finalValue(run({"--set", "n=3"}), "x[3]"), 2, 1e-9);
   EXPECT_THAT(run({}).out, testing::Not(HasSubstr("x[3]")));
   const ProcessResult again = run({"--set", "n=3"});
   EXPECT_THAT(again.err, HasSubstr("(cached)"));
-  EXPECT_THAT(again.out, HasSubstr("x[3] = 2\n"));
+  EXPECT_NEAR(finalValue(again, "x[3]"), 2, 1e-9);
 }
 
 TEST_F(Cache, SharesOneModelAmongValuesOfOtherParametersAndStarts) {
   EXPECT_EQ(run({}).exitCode, 0);
   const ProcessResult result = run({"--set", "x[1]=5"});
   EXPECT_THAT(result.err, HasSubstr("(cached)"));
-  EXPECT_THAT(result.out, HasSubstr("x[1] = 6\n"));
+  EXPECT_NEAR(finalValue(result, "x[1]"), 6, 1e-9);
 }
 
 TEST_F(Cache, NoticesAClassThatAppearsBesideTheSource) {
@@ -72,7 +72,7 @@ TEST_F(Cache, NoticesAClassThatAppearsBesideTheSource) {
             "package Modelica\n  package Constants\n    constant Real pi = 3;\n  end Constants;\nend Modelica;\n");
   const ProcessResult changed = user();
   EXPECT_THAT(changed.err, HasSubstr("(compiled)"));
-  EXPECT_THAT(changed.out, HasSubstr("x = 3\n"));
+  EXPECT_NEAR(finalValue(changed, "x"), 3, 1e-9);
 }
 
 TEST_F(Cache, IsNeitherReadNorWrittenIfUnwanted) {
@@ -85,7 +85,7 @@ TEST_F(Cache, IsDoneWithoutWhereItCannotBeWritten) {
   writeFile(folder.path() / "cache", "a file where the folder should be");
   const ProcessResult result = run({});
   EXPECT_EQ(result.exitCode, 0) << result.err;
-  EXPECT_THAT(result.out, HasSubstr("x[2] = 2\n"));
+  EXPECT_NEAR(finalValue(result, "x[2]"), 2, 1e-9);
 }
 
 // The acceptance of the warm start: a cached model is run without the code generator's library.
@@ -94,9 +94,9 @@ TEST_F(Cache, MapsNoCodeGenerator) {
   const ProcessResult traced = runProcess(TF_BINARY_DIR "/tfc", {"run", "growth.tf", "--stop-time", "1"}, folder.path(),
                                           {"TFC_CACHE_DIR=" + (folder.path() / "cache").string(), "LD_DEBUG=files"});
   EXPECT_EQ(traced.exitCode, 0);
-  EXPECT_THAT(traced.err, HasSubstr("libtf.so"));
-  EXPECT_THAT(traced.err, testing::Not(HasSubstr("libtfcodegen")));
-  EXPECT_THAT(traced.err, testing::Not(HasSubstr("libLLVM")));
+  EXPECT_NE(traced.err.find("libtf.so"), std::string::npos);
+  EXPECT_EQ(traced.err.find("libtfcodegen"), std::string::npos);
+  EXPECT_EQ(traced.err.find("libLLVM"), std::string::npos);
 }
 
 }  // namespace

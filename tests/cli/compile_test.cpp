@@ -56,7 +56,8 @@ TEST_F(CompileCommand, HeaderCompilesAsCAndNumbersTheVariables) {
   ASSERT_EQ(compile({"--emit", "header", "-o", "particle.h"}).exitCode, 0);
   EXPECT_THAT(readFile(folder.path() / "particle.h"), HasSubstr("Particle_der_q_2"));
   writeFile(folder.path() / "use.c", "#include \"particle.h\"\nint x[Particle_nq == 2 ? 1 : -1];\nint y[Particle_time == 0 ? 1 : -1];\n");
-  const ProcessResult gcc = runProcess("/usr/bin/env", {"cc", "-std=c11", "-Wall", "-Werror", "-pedantic", "-c", "use.c"}, folder.path());
+  const ProcessResult gcc =
+      runProcess("/usr/bin/env", {"cc", "-std=c11", "-Wall", "-Werror", "-pedantic", "-I" TF_SOURCE_DIR, "-c", "use.c"}, folder.path());
   EXPECT_EQ(gcc.exitCode, 0) << gcc.err;
 }
 

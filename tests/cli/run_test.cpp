@@ -86,7 +86,7 @@ TEST_F(RunCommand, WritesTheSameToCsvAndJson) {
 TEST_F(RunCommand, PrintsFinalValuesWithoutAResultFile) {
   const ProcessResult result = run({"--stop-time", "1", "--quiet"});
   EXPECT_EQ(result.exitCode, 0);
-  EXPECT_THAT(result.out, HasSubstr("time = 1\n"));
+  EXPECT_THAT(result.out, HasSubstr("time = 1 s\n"));
   EXPECT_THAT(result.out, HasSubstr("q[2] = 0\n"));
   EXPECT_EQ(result.err, "");
 }
@@ -109,15 +109,12 @@ TEST_F(RunCommand, TellsMoreIfVerbose) {
 }
 
 // The horizontal position under a force u[1] on m = 1, without friction.
-double finalPosition(const ProcessResult &result) {
-  const std::size_t place = result.out.find("q[1] = ");
-  return place == std::string::npos ? NAN : std::stod(result.out.substr(place + 7));
-}
+double finalPosition(const ProcessResult &result) { return finalValue(result, "q[1]"); }
 
 TEST_F(RunCommand, TakesInputsFromExpressionsWithBreakpoints) {
   // x'' = 1 for t < 0.3, else 0: x(1) = 0.045 + 0.3·0.7
   EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=if time < 0.3 then 1 else 0"})), 0.255, 1e-9);
-  // A square wave of period 0.2 that is 1 in its first half, ten impulses: x(1) = Σ_k 0.1 (1 − 0.2 k − 0.05)
+  // A square wave of period 0.2 that is 1 in its first half: x(1) = Σ_k 0.1 (1 − 0.2 k − 0.05)
   EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=if mod(time, 0.2) < 0.1 then 1 else 0"})), 0.275, 1e-9);
   // max(0, t − 1/2): x(1) = 0.5³/6
   EXPECT_NEAR(finalPosition(run({"--stop-time", "1", "--quiet", "--set", "u[1]=max(0, time-0.5)"})), 0.125 / 6, 1e-9);

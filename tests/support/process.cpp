@@ -1,6 +1,9 @@
 #include "tests/support/process.h"
 
 #include <array>
+#include <chrono>
+#include <cmath>
+#include <csignal>
 #include <cstdlib>
 #include <fcntl.h>
 #include <fstream>
@@ -15,6 +18,8 @@ namespace tf::test {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr auto kLongestRun = std::chrono::seconds(60);
 
 struct Pipe {
   std::array<int, 2> ends = {-1, -1};
@@ -42,12 +47,15 @@ struct Pipe {
   _exit(127);
 }
 
-// Reads both pipes to their ends.
-void drain(int out, int err, ProcessResult &result) {
+// Reads both pipes to their ends; false if that takes longer than a hanging program is waited for.
+bool drain(int out, int err, ProcessResult &result) {
+  const auto limit = std::chrono::steady_clock::now() + kLongestRun;
   std::array<pollfd, 2> polls = {{{out, POLLIN, 0}, {err, POLLIN, 0}}};
   std::array<char, 4096> buffer;
   while (polls[0].fd >= 0 || polls[1].fd >= 0) {
-    if (poll(polls.data(), polls.size(), -1) < 0)
+    if (std::chrono::steady_clock::now() > limit)
+      return false;
+    if (poll(polls.data(), polls.size(), 1000) <= 0)
       continue;
     for (pollfd &entry : polls) {
       if (entry.fd < 0 || entry.revents == 0)
@@ -59,6 +67,7 @@ void drain(int out, int err, ProcessResult &result) {
         entry.fd = -1;
     }
   }
+  return true;
 }
 
 }  // namespace
@@ -74,7 +83,10 @@ ProcessResult runProcess(const fs::path &program, const std::vector<std::string>
   close(out.ends[1]);
   close(err.ends[1]);
   ProcessResult result;
-  drain(out.ends[0], err.ends[0], result);
+  if (!drain(out.ends[0], err.ends[0], result)) {
+    kill(child, SIGKILL);
+    result.err += "\n(killed: it did not end)\n";
+  }
   close(out.ends[0]);
   close(err.ends[0]);
   int status = 0;
@@ -85,6 +97,12 @@ ProcessResult runProcess(const fs::path &program, const std::vector<std::string>
 
 ProcessResult runTfc(const std::vector<std::string> &arguments, const fs::path &folder) {
   return runProcess(TF_BINARY_DIR "/tfc", arguments, folder, {"TFC_CACHE_DIR=" TF_BINARY_DIR "/test-cache"});
+}
+
+double finalValue(const ProcessResult &result, const std::string &name) {
+  const std::string text = "\n" + result.out, line = "\n" + name + " = ";
+  const std::size_t place = text.find(line);
+  return place == std::string::npos ? std::nan("") : std::stod(text.substr(place + line.size()));
 }
 
 TemporaryFolder::TemporaryFolder() {

@@ -20,6 +20,9 @@ struct ProcessResult {
 // The program under test, with a cache of its own below the build folder.
 [[nodiscard]] ProcessResult runTfc(const std::vector<std::string> &arguments, const std::filesystem::path &folder);
 
+// The number in the line "NAME = NUMBER unit" that `tfc run` prints; NaN if there is none.
+[[nodiscard]] double finalValue(const ProcessResult &result, const std::string &name);
+
 // A new empty folder; removed with the object.
 class TemporaryFolder {
 public:
