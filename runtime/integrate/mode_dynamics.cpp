@@ -83,6 +83,13 @@ bool ModeDynamics::fail(EvaluationFailure failure) {
   return false;
 }
 
+bool ModeDynamics::frictionIsNegative() const {
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if ((problem_.owner[j] >= 0 ? problem_.friction[j] : problem_.bound[j]) < 0)
+      return true;
+  return false;
+}
+
 bool ModeDynamics::prepare(double time, const double *state) {
   ++evaluations_;
   at_.setPoint(time, state);
@@ -92,6 +99,8 @@ bool ModeDynamics::prepare(double time, const double *state) {
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());
     rows_.assemble(at_, problem_.delassus, problem_);
+    if (frictionIsNegative())
+      return fail(EvaluationFailure::NegativeFriction);
   }
   return true;
 }

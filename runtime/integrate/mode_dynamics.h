@@ -34,7 +34,7 @@ struct Guard {
   double scale = 1;  // magnitude below 1e-12 · scale is rounding
 };
 
-enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged };
+enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged, NegativeFriction };
 
 class ModeDynamics {
 public:
@@ -79,6 +79,7 @@ public:
 
 private:
   bool prepare(double time, const double *state);
+  [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
   bool solveSliding();
   // Change of acceleration for a change of f and of the rows' bias and limits, at fixed D.

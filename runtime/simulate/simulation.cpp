@@ -80,6 +80,7 @@ private:
   tf_status checkStart();
   tf_status failEvaluation();
   std::string describeNonFinite();
+  std::string describeNegativeFriction();
   void makeIntegrators();
   void useIntegrator(SmoothIntegrator &integrator);
   void startIntegrator();
@@ -127,6 +128,8 @@ tf_status Simulation::Implementation::checkSupported() {
 
 tf_status Simulation::Implementation::checkStart() {
   at_.setPoint(time_, state_.data());
+  if (std::string text = describeNegativeFriction(); !text.empty())
+    return fail(std::move(text));
   at_.switching(ModelEvaluation::Gaps);
   for (int i = 0; i < model_.nc; ++i) {
     const tf_contact &contact = model_.contacts[i];
@@ -139,6 +142,21 @@ tf_status Simulation::Implementation::checkStart() {
                               contact.location.line));
   }
   return TF_OK;
+}
+
+// The first contact or friction element whose coefficient or bound is negative at the evaluation's point, empty if there is none.
+std::string Simulation::Implementation::describeNegativeFriction() {
+  const std::vector<std::uint8_t> all(model_.nc + model_.nf, 1);
+  at_.contactTerms(all.data());
+  for (int i = 0; i < model_.nc; ++i)
+    if (at_.friction[i] < 0)
+      return fmt::format("the friction coefficient of contact '{}' is {:.6g}, it cannot be negative ({}:{})", model_.contacts[i].name,
+                         at_.friction[i], model_.contacts[i].location.file, model_.contacts[i].location.line);
+  for (int i = 0; i < model_.nf; ++i)
+    if (const double bound = at_.bound[model_.frictions[i].tangent_first]; bound < 0)
+      return fmt::format("the bound of friction element '{}' is {:.6g}, it cannot be negative ({}:{})", model_.frictions[i].name, bound,
+                         model_.frictions[i].location.file, model_.frictions[i].location.line);
+  return {};
 }
 
 std::string Simulation::Implementation::describeNonFinite() {
@@ -172,6 +190,8 @@ tf_status Simulation::Implementation::failEvaluation() {
     return fail(fmt::format("the contact forces have no solution at t = {:.10g}", time));
   case EvaluationFailure::SlidingDiverged:
     return fail(fmt::format("the sliding mode of the switches has no solution at t = {:.10g}", time));
+  case EvaluationFailure::NegativeFriction:
+    return fail(fmt::format("{} at t = {:.10g}", describeNegativeFriction(), time));
   default:
     return fail(fmt::format("{} at t = {:.10g}", describeNonFinite(), time));
   }

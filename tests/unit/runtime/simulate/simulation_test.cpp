@@ -120,5 +120,14 @@ TEST_P(EveryIntegrator, BoxComesToRest) {
   EXPECT_NEAR(run("th"), 1.5707963267948966, 1e-9);
 }
 
+TEST(Simulation, RefusesNegativeFriction) {
+  ModelInstance instance(test::beltModel());
+  ASSERT_TRUE(instance.set("N", -2).ok());
+  InputSignals inputs(instance.model().nu);
+  Simulation simulation(instance, inputs);
+  EXPECT_EQ(simulation.initialise(0), TF_FAILED);
+  EXPECT_NE(simulation.errorText().find("bound of friction element 'dry' is -1"), std::string::npos) << simulation.errorText();
+}
+
 }  // namespace
 }  // namespace tf::runtime
