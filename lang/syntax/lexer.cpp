@@ -64,8 +64,8 @@ private:
     return {file_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
   }
   void push(TokenKind kind, std::size_t begin) {
-    result_.tokens.push_back({kind, startsLine_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(position_)});
-    startsLine_ = false;
+    result_.tokens.push_back({kind, startsLine_, followsError_, static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(position_)});
+    startsLine_ = followsError_ = false;
   }
   void unreliableFrom(std::size_t position) {
     result_.unreliableFrom = std::min(result_.unreliableFrom, static_cast<std::uint32_t>(position));
@@ -93,6 +93,7 @@ private:
   LexedText result_;
   std::size_t position_ = 0;
   bool startsLine_ = true;
+  bool followsError_ = false;
 };
 
 void Lexer::checkEncoding() {
@@ -362,7 +363,9 @@ void Lexer::other() {
   if (!isPrintable || !isAscii)
     character += fmt::format("{}U+{:04X}{}", isPrintable ? " (" : "", point.value, isPrintable ? ")" : "");
   diagnostics_.report(InvalidCharacter, span(begin, position_), character);
-  if (!isAscii)
+  if (isAscii)
+    followsError_ = true;
+  else
     foreignWord(begin);
 }
 

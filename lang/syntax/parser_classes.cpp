@@ -397,13 +397,7 @@ bool Parser::parseCompositionItem(ast::ClassDefinition &definition, ast::ListBui
     // Read as if the keyword stood here.
     resume();
     rewind(start);
-    auto equations = list<ast::Equation *>();
-    equations.push(parseEquation());
-    expectSemicolon();
-    ast::Section section;
-    section.equations = equations.finish(arena_);
-    section.span = since(tokens_[start].begin);
-    sections.push(section);
+    sections.push(parseStraySection());
     return true;
   }
   elements.push(element);

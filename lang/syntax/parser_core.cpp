@@ -121,6 +121,30 @@ void Parser::expectSemicolon() {
   complain(MissingSemicolon, Span{file_, last.end, last.end}, describe(last));
 }
 
+// A ',' in a list in brackets; also a ';' in its place, which shows itself by the closing bracket that follows.
+bool Parser::acceptSeparator(TokenKind closing) {
+  if (!at(TokenKind::Semicolon))
+    return accept(TokenKind::Comma);
+  int depth = 0;
+  for (std::size_t ahead = 1;; ++ahead) {
+    const TokenKind kind = peek(ahead).kind;
+    if (kind == TokenKind::Semicolon || isStructural(peek(ahead), ahead))
+      return false;
+    if (kind == TokenKind::LeftParenthesis || kind == TokenKind::LeftBracket || kind == TokenKind::LeftBrace)
+      ++depth;
+    if (kind != TokenKind::RightParenthesis && kind != TokenKind::RightBracket && kind != TokenKind::RightBrace)
+      continue;
+    if (depth == 0) {
+      if (kind != closing)
+        return false;
+      complain(UnexpectedToken, span(current()), "','", describe(current()));
+      advance();
+      return true;
+    }
+    --depth;
+  }
+}
+
 void Parser::expectClosing(TokenKind closing, const Token &opening, std::string_view separators) {
   if (recovering_ || accept(closing))
     return;
@@ -149,7 +173,8 @@ bool Parser::isStructural(const Token &token, std::size_t ahead) const {
     return next == TokenKind::Equation || next == TokenKind::Algorithm;
   case TokenKind::End:
     return next == TokenKind::Identifier || next == TokenKind::If || next == TokenKind::For || next == TokenKind::When ||
-           next == TokenKind::While || next == TokenKind::Semicolon || next == TokenKind::EndOfFile;
+           next == TokenKind::While || next == TokenKind::Semicolon || next == TokenKind::EndOfFile ||
+           (token.startsLine && peek(ahead + 1).startsLine);
   case TokenKind::Else:
   case TokenKind::Elseif:
   case TokenKind::Elsewhen:

@@ -47,7 +47,8 @@ private:
 
   // ---- errors
   template <class... Args> Diagnostic &complain(const DiagnosticKind &kind, Span where, const Args &...args) {
-    if (recovering_ || std::max(where.begin, here()) >= unreliableFrom_)
+    const bool isConsequence = current().followsError || (itemStart_ <= position_ && tokens_[itemStart_].followsError);
+    if (recovering_ || isConsequence || std::max(where.begin, here()) >= unreliableFrom_)
       return silent_ = Diagnostic{};
     return diagnostics_.report(kind, where, args...);
   }
@@ -67,6 +68,7 @@ private:
   Diagnostic &unexpected(std::string_view expected);
   bool expect(TokenKind kind);
   void expectSemicolon();
+  bool acceptSeparator(TokenKind closing);
   void expectClosing(TokenKind closing, const Token &opening, std::string_view separators = "','");
   [[nodiscard]] bool startsSomething(const Token &token) const;
 
@@ -103,6 +105,7 @@ private:
   ast::Expr *parseParenthesised();
   ast::Expr *parseMatrix();
   ast::Expr *parseMatrixRow();
+  bool atNextEquation(const Token &opening);
   ast::Expr *parseArray();
   ast::Expr *parsePartialFunction();
   void parseCallArguments(ast::Expr &call);
@@ -144,7 +147,8 @@ private:
   [[nodiscard]] bool atCoordinatePrefix() const;
   [[nodiscard]] bool atDeclarationPrefix() const;
   [[nodiscard]] bool atEquationInElements(const ast::ComponentClause &clause) const;
-  void failAtEquation(Span where);
+  void failAtEquation();
+  ast::Section parseStraySection();
 
   // ---- classes
   [[nodiscard]] bool atClass() const;
@@ -211,9 +215,9 @@ private:
   std::vector<Span> comments_;
   std::uint32_t unreliableFrom_;
   std::size_t position_ = 0;
-  std::size_t assumedCoordinate_ = SIZE_MAX;  // position of a misspelled `coordinate`
-  std::size_t itemStart_ = 0;                 // position of the first token of the element, equation or statement that is read
-  TokenKind kind_ = TokenKind::EndOfFile;     // of the current token; in recovery recoveryKind
+  std::size_t assumedWord_ = SIZE_MAX;     // position of a misspelled `coordinate` or `constraint`
+  std::size_t itemStart_ = 0;              // position of the first token of the element, equation or statement that is read
+  TokenKind kind_ = TokenKind::EndOfFile;  // of the current token; in recovery recoveryKind
   bool recovering_ = false;
   bool failedInMatrix_ = false;    // where recovery was entered
   bool foundEquation_ = false;     // recovery was entered at an equation among the declarations

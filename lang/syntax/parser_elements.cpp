@@ -74,7 +74,7 @@ void setPrefix(ast::ComponentClause &clause, TokenKind kind) {
 
 // `coordinate` is a prefix if after it come `["."] name [subscripts] IDENT`, otherwise a name (language reference, chapter 2).
 bool Parser::atCoordinatePrefix() const {
-  if (position_ == assumedCoordinate_)
+  if (position_ == assumedWord_)
     return true;
   if (!atWord("coordinate"))
     return false;
@@ -237,10 +237,10 @@ ast::ComponentClause *Parser::parseComponentClause(bool single) {
   auto *clause = arena_.make<ast::ComponentClause>();
   const std::uint32_t begin = here();
   parseTypePrefix(*clause);
-  if (atAny({TokenKind::If, TokenKind::For, TokenKind::When, TokenKind::Connect, TokenKind::Der, TokenKind::Initial,
+  if (atAny({TokenKind::If, TokenKind::For, TokenKind::While, TokenKind::When, TokenKind::Connect, TokenKind::Der, TokenKind::Initial,
              TokenKind::LeftParenthesis}) &&
       !single && clause->prefixSpan.begin == clause->prefixSpan.end) {
-    failAtEquation(span(current()));
+    failAtEquation();
     clause->span = since(begin);
     return clause;
   }
@@ -250,7 +250,7 @@ ast::ComponentClause *Parser::parseComponentClause(bool single) {
     clause->subscripts = parseSubscripts();
   }
   if (!single && atEquationInElements(*clause)) {
-    failAtEquation(since(begin));
+    failAtEquation();
     clause->span = since(begin);
     return clause;
   }
@@ -259,12 +259,12 @@ ast::ComponentClause *Parser::parseComponentClause(bool single) {
   return clause;
 }
 
-void Parser::failAtEquation(Span where) {
-  if (equationReported_)
-    where.begin = unreliableFrom_;  // silent
-  fail(EquationOutsideSection, where);
-  foundEquation_ = true;
-  equationReported_ = true;
+// Ends the reading of a declaration, which is an equation; the caller reads it again as that.
+void Parser::failAtEquation() {
+  if (recovering_)
+    return;
+  recovering_ = foundEquation_ = true;
+  kind_ = recoveryKind;
 }
 
 // `x = 1;` or `f(x);` where a declaration should be.

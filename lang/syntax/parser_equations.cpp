@@ -20,7 +20,9 @@ bool isVariable(const ast::Expr &expression) { return expression.kind == ExprKin
 
 // ---- sections --------------------------------------------------------------------------------------------------------------------
 
-bool Parser::atConstraintSection() const { return enclosing_ == ast::Restriction::Optimization && atWord("constraint"); }
+bool Parser::atConstraintSection() const {
+  return enclosing_ == ast::Restriction::Optimization && (atWord("constraint") || (at(TokenKind::Identifier) && position_ == assumedWord_));
+}
 
 bool Parser::atSection() const {
   return at(TokenKind::Equation) || at(TokenKind::Algorithm) || atConstraintSection() ||
@@ -42,6 +44,33 @@ ast::Section Parser::parseSection() {
   else
     section.equations = parseEquations();
   inConstraints_ = false;
+  section.span = since(begin);
+  return section;
+}
+
+// One equation or statement among the declarations, as a section; reported once for a class.
+ast::Section Parser::parseStraySection() {
+  ast::Section section;
+  const std::uint32_t begin = here();
+  std::size_t ahead = 0;
+  while (peek(ahead).kind == TokenKind::Identifier || peek(ahead).kind == TokenKind::Dot)
+    ++ahead;
+  const bool isStatement = enclosing_ == ast::Restriction::Function || enclosing_ == ast::Restriction::OperatorFunction ||
+                           peek(ahead).kind == TokenKind::Assign || at(TokenKind::While);
+  if (!std::exchange(equationReported_, true))
+    complain(EquationOutsideSection, cover(span(current()), span(peek(ahead > 0 ? ahead - 1 : 0))),
+             isStatement ? "a statement" : "an equation", isStatement ? "algorithm" : "equation");
+  if (isStatement) {
+    section.kind = SectionKind::Algorithm;
+    auto statements = list<ast::Statement *>();
+    statements.push(parseStatement());
+    section.statements = statements.finish(arena_);
+  } else {
+    auto equations = list<ast::Equation *>();
+    equations.push(parseEquation());
+    section.equations = equations.finish(arena_);
+  }
+  expectSemicolon();
   section.span = since(begin);
   return section;
 }
@@ -178,9 +207,11 @@ void Parser::expectEndOf(TokenKind block, const Token &opening, const Token *els
     advance();
     return;
   }
-  if (end.kind == TokenKind::End && written.kind == TokenKind::Semicolon) {
-    complain(UnexpectedToken, span(written), fmt::format("'{}'", wanted), describe(written));
+  if (end.kind == TokenKind::End && (written.kind == TokenKind::Semicolon || written.startsLine)) {
+    const Token &got = written.startsLine ? end : written;
+    complain(UnexpectedToken, span(got), fmt::format("'{}'", wanted), describe(got));
     advance();
+    endMissing_ = written.startsLine;
     return;
   }
   endReported_ = endReported_ || end.kind == TokenKind::EndOfFile;

@@ -162,14 +162,15 @@ ast::Expr *Parser::parseOperators(int minimumLevel) {
   const bool isNot = at(TokenKind::Not) && minimumLevel <= NotLevel;
   const bool isSign = atAny({TokenKind::Plus, TokenKind::Minus, TokenKind::DotPlus, TokenKind::DotMinus});
   if (isNot || isSign) {
-    if (isSign && minimumLevel > AddLevel)
-      complain(SignAfterOperator, span(first), text(previous()));
+    const std::string_view operatorBefore = text(previous());
     advance();
     ast::Expr *unary = newExpr(ExprKind::Unary, first.begin);
     unary->op = isNot ? Operator::Not : binaryOperator(first.kind).op;
     unary->operatorSpan = span(first);
     unary->operands = exprs(parseOperators(isNot ? RelationLevel : std::max<int>(minimumLevel, MultiplyLevel)));
     left = finish(unary);
+    if (isSign && minimumLevel > AddLevel)
+      complain(SignAfterOperator, span(first), operatorBefore);
   } else {
     left = parsePrimary();
   }
@@ -312,6 +313,16 @@ ast::Expr *Parser::parseParenthesised() {
   return finish(subscripted);
 }
 
+// `x = [1, 2;` and on the next line `y = …`: the bracket was forgotten.
+bool Parser::atNextEquation(const Token &opening) {
+  if (!current().startsLine || (peek(1).kind != TokenKind::Equal && peek(1).kind != TokenKind::Assign))
+    return false;
+  const Span end{file_, tokens_[position_ - 2].end, tokens_[position_ - 2].end};
+  fail(MissingBracket, end, "]", "';'").note(span(opening), "it would close this '['");
+  --position_;  // the ';' ends the equation
+  return true;
+}
+
 ast::Expr *Parser::parseMatrixRow() {
   ast::Expr *row = newExpr(ExprKind::Tuple, here());
   auto elements = list<ast::Expr *>();
@@ -330,7 +341,7 @@ ast::Expr *Parser::parseMatrix() {
   auto rows = list<ast::Expr *>();
   do {
     rows.push(parseMatrixRow());
-  } while (accept(TokenKind::Semicolon));
+  } while (accept(TokenKind::Semicolon) && !atNextEquation(opening));
   expectClosing(TokenKind::RightBracket, opening, "',', ';'");
   --matrices_;
   matrix->operands = rows.finish(arena_);
@@ -351,7 +362,7 @@ ast::Expr *Parser::parseArray() {
   if (accept(TokenKind::For)) {
     array->iterators = parseForIndices();
   } else {
-    while (accept(TokenKind::Comma))
+    while (acceptSeparator(TokenKind::RightBrace))
       elements.push(parseBracketed());
   }
   expectClosing(TokenKind::RightBrace, opening);
@@ -399,7 +410,7 @@ void Parser::parseCallArguments(ast::Expr &call) {
       call.iterators = parseForIndices();
       break;
     }
-  } while (accept(TokenKind::Comma));
+  } while (acceptSeparator(TokenKind::RightParenthesis));
   expectClosing(TokenKind::RightParenthesis, opening);
   call.operands = positional.finish(arena_);
   call.named = named.finish(arena_);

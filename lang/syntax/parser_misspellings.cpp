@@ -43,7 +43,7 @@ void Parser::repairMisspelledPrefix() {
     return;
   complain(UnknownWord, span(current()), text(current()), meant);
   if (meant == "coordinate")
-    assumedCoordinate_ = position_;
+    assumedWord_ = position_;
   else
     replaceWord(keyword(meant));
 }
@@ -69,7 +69,9 @@ void Parser::repairMisspelledClass() {
 
 // `equations` alone on its line: a word that is nearly a section's and not followed by the rest of a declaration.
 bool Parser::parseMisspelledSection(ast::ListBuilder<ast::Section> &sections, bool &isProtected) {
-  static const std::vector<std::string> words = {"equation", "algorithm", "public", "protected"};
+  static const std::vector<std::string> common = {"equation", "algorithm", "public", "protected"};
+  static const std::vector<std::string> inOptimization = {"equation", "algorithm", "public", "protected", "constraint"};
+  const bool isOptimization = enclosing_ == ast::Restriction::Optimization;
   const Token &token = current();
   const Token &next = peek(1);
   if (!at(TokenKind::Identifier) || !token.startsLine)
@@ -83,17 +85,22 @@ bool Parser::parseMisspelledSection(ast::ListBuilder<ast::Section> &sections, bo
   }
   if (!next.startsLine)
     return false;
-  const std::string meant = nearest(text(token), words);
+  const std::string meant = nearest(text(token), isOptimization ? inOptimization : common);
   if (meant.empty() || next.kind == TokenKind::Dot)
     return false;
-  const bool isSection = meant == "equation" || meant == "algorithm";
+  const bool isSection = meant != "public" && meant != "protected";
   const TokenKind afterNext = peek(2).kind;
   const bool continuesEquation = afterNext == TokenKind::Equal || afterNext == TokenKind::Assign || afterNext == TokenKind::Dot ||
-                                 afterNext == TokenKind::Plus || afterNext == TokenKind::Minus || afterNext == TokenKind::Times;
+                                 afterNext == TokenKind::Plus || afterNext == TokenKind::Minus || afterNext == TokenKind::Times ||
+                                 (isOptimization && afterNext == TokenKind::LeftParenthesis) || afterNext == TokenKind::LessEqual ||
+                                 afterNext == TokenKind::GreaterEqual;
   if (next.kind == TokenKind::Identifier && !(isSection ? continuesEquation : afterNext == TokenKind::Identifier))
     return false;
   complain(UnknownSection, span(token), text(token), meant);
-  replaceWord(keyword(meant));
+  if (meant == "constraint")
+    assumedWord_ = position_;
+  else
+    replaceWord(keyword(meant));
   if (isSection)
     sections.push(parseSection());
   else {

@@ -40,7 +40,7 @@ ast::Modification *Parser::parseClassModification(bool inExtends) {
   if (!at(TokenKind::RightParenthesis)) {
     do {
       arguments.push(parseArgument(inExtends));
-    } while (accept(TokenKind::Comma));
+    } while (acceptSeparator(TokenKind::RightParenthesis));
   }
   expectClosing(TokenKind::RightParenthesis, opening);
   modification->arguments = arguments.finish(arena_);

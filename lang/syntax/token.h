@@ -14,7 +14,8 @@ enum class TokenKind : std::uint8_t {
 
 struct Token {
   TokenKind kind = TokenKind::EndOfFile;
-  bool startsLine = false;  // the first token of its line
+  bool startsLine = false;    // the first token of its line
+  bool followsError = false;  // characters before it were reported and skipped
   std::uint32_t begin = 0;
   std::uint32_t end = 0;
 };
