@@ -1,5 +1,5 @@
 // Finds out that the breakpoints of a frozen phase repeat: a cycle of the same rows whose pieces shrink by a constant factor has infinitely
-// many breakpoints in finite numerical time, and its sum is geometric (theory.md section 3).
+// many breakpoints in finite numerical time, and its sum is geometric (theory.md section 3). With the factor 1 it repeats as it is.
 #ifndef TF_RUNTIME_CONTACT_BREAKPOINT_TAIL_H
 #define TF_RUNTIME_CONTACT_BREAKPOINT_TAIL_H
 
@@ -21,6 +21,9 @@ public:
   [[nodiscard]] double factor() const { return factor_; }
   // Sum of all increments to come, of value k: its increment over the last cycle times factor/(1 − factor).
   [[nodiscard]] double tail(int k) const { return cycle_[k] * factor_ / (1 - factor_); }
+  // Increment of value k over the last cycle, and the sum of the magnitudes of its parts.
+  [[nodiscard]] double cycle(int k) const { return cycle_[k]; }
+  [[nodiscard]] double cycleVariation(int k) const { return variation_[k]; }
   // At least the sum of the magnitudes of all increments to come, of value k.
   [[nodiscard]] double variation(int k) const { return variation_[k] * factor_ / (1 - factor_); }
   // Row of the piece `back` pieces ago (0: the last).

@@ -14,7 +14,9 @@ namespace {
 // Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
 constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
 constexpr double feasibility = 1e-9;
-constexpr int keptBreakpoints = 1000, tailFrom = 48, cycleLimit = 4000;
+constexpr int keptBreakpoints = 1000, tailFrom = 48;
+// A contraction factor that differs from 1 by less repeats without contraction.
+constexpr double contraction = 1e-9;
 
 }  // namespace
 
@@ -50,7 +52,10 @@ struct FrozenPhase::Workspace {
   void advance(int row, double duration);
   void record(int row, FrozenEvent event);
   [[nodiscard]] FrozenEvent classify(int row) const;
+  void markCycle();
   bool sumTail();
+  [[nodiscard]] bool drifts() const;
+  bool skipCycles();
   void fail(FrozenStatus status);
   void follow(int forced);
 };
@@ -202,13 +207,17 @@ void FrozenPhase::Workspace::record(int row, FrozenEvent event) {
   point.force = force;
 }
 
+void FrozenPhase::Workspace::markCycle() {
+  std::fill(inCycle.begin(), inCycle.end(), std::uint8_t{0});
+  for (int back = 0; back < tail.period(); ++back)
+    inCycle[tail.row(back)] = 1;
+}
+
 // Infinitely many pieces at once: the velocities whose zeros make the cycle end at zero. False where another velocity might reach zero
 // before.
 bool FrozenPhase::Workspace::sumTail() {
   const int count = problem->count();
-  std::fill(inCycle.begin(), inCycle.end(), std::uint8_t{0});
-  for (int back = 0; back < tail.period(); ++back)
-    inCycle[tail.row(back)] = 1;
+  markCycle();
   for (int r = 0; r < count; ++r)
     if (!inCycle[r] && velocity[r] != 0 && std::abs(velocity[r]) <= tail.variation(r))
       return false;
@@ -219,6 +228,35 @@ bool FrozenPhase::Workspace::sumTail() {
   tau += tail.tail(2 * count);
   tail.reset(2 * count + 1);
   hasPrevious = false;
+  return true;
+}
+
+// A cycle that repeats as it is ends only if it moves another velocity.
+bool FrozenPhase::Workspace::drifts() const {
+  for (int r = 0; r < problem->count(); ++r)
+    if (std::abs(tail.cycle(r)) > 1e-9 * tail.cycleVariation(r))
+      return true;
+  return false;
+}
+
+// All of the equal cycles at once that pass before the velocity of another row could reach zero.
+bool FrozenPhase::Workspace::skipCycles() {
+  const int count = problem->count();
+  markCycle();
+  double cycles = std::numeric_limits<double>::infinity();
+  for (int r = 0; r < count; ++r)
+    if (!inCycle[r] && velocity[r] * tail.cycle(r) < 0)
+      cycles = std::min(cycles, (std::abs(velocity[r]) - tail.cycleVariation(r)) / std::abs(tail.cycle(r)));
+  cycles = std::floor(cycles) - 1;
+  if (!(cycles >= 1) || !std::isfinite(cycles))
+    return false;
+  for (int r = 0; r < count; ++r) {
+    if (!inCycle[r])
+      velocity[r] += cycles * tail.cycle(r);
+    impulse[r] += cycles * tail.cycle(count + r);
+  }
+  tau += cycles * tail.cycle(2 * count);
+  tail.reset(2 * count + 1);
   return true;
 }
 
@@ -250,12 +288,16 @@ void FrozenPhase::Workspace::follow(int forced) {
       return fail(FrozenStatus::Cycle);
     if (pieces < tailFrom || !settings.sumTails || !tail.repeats())
       continue;
-    if (tail.factor() < 1 - 1e-9 && tail.factor() > 0) {
-      if (sumTail())
-        event = FrozenEvent::Accumulation;
-    } else if (pieces > cycleLimit) {
-      return fail(FrozenStatus::Cycle);
+    bool summed = false;
+    if (tail.factor() > 0 && tail.factor() < 1 - contraction) {
+      summed = sumTail();
+    } else if (std::abs(tail.factor() - 1) <= contraction) {
+      if (!drifts())
+        return fail(FrozenStatus::Cycle);
+      summed = skipCycles();
     }
+    if (summed)
+      event = FrozenEvent::Accumulation;
   }
   std::fill(force.begin(), force.end(), 0.0);
   std::fill(acceleration.begin(), acceleration.end(), 0.0);

@@ -30,7 +30,7 @@ enum class FrozenEvent : std::uint8_t {
   Recompression,  // c2 of the row falls below 0 again, or for the first time
   Stick,          // c3 of the row has reached 0 and stays
   Reversal,       // c3 of the row has changed its sign, or leaves 0
-  Accumulation    // infinitely many breakpoints have been summed
+  Accumulation    // very many breakpoints have been summed, infinitely many where they accumulate
 };
 
 // The state where a piece of the path begins.
@@ -45,7 +45,7 @@ struct FrozenBreakpoint {
 
 enum class FrozenStatus : std::uint8_t {
   Finished,
-  Cycle,      // breakpoints repeat without contraction: the impact law has no end (see `rows`)
+  Cycle,      // breakpoints repeat without end and without contraction, or exceed the limit (see `rows`)
   Unbounded,  // contacts push forever: they have no mobility left, as between closing walls (see `rows`)
   Unsettled   // no successor of a breakpoint was found (see `rows`)
 };
@@ -62,7 +62,7 @@ struct FrozenResult {
 class FrozenPhase {
 public:
   struct Settings {
-    bool sumTails = true;  // sum geometric tails of breakpoints; else they are followed down to rounding
+    bool sumTails = true;  // sum repeating breakpoints; else they are followed one by one, down to rounding
     int breakpointLimit = 100000;
   };
 

@@ -17,6 +17,11 @@ double timeSpeed(std::span<const double> normalForce, std::span<const double> ra
   }
   if (loaded <= 1)
     return 1 / (1 + largest);
+  if (loaded == 2) {
+    // p r β² − (1 + p + r) β + 1 = 0, the smaller root; its discriminant without cancellation.
+    const double other = sum - largest, difference = largest - other;
+    return 2 / (1 + sum + std::sqrt(1 + 2 * sum + difference * difference));
+  }
 
   // h(β) = Π_i (1 − β λ_i/a_i) − β is decreasing and convex on the interval: each factor is, and all are positive. Newton from the left
   // of the root therefore increases monotonically towards it. Π (1 − x_i) ≥ 1 − Σ x_i gives such a start, 1/(1 + Σ λ_i/a_i).
