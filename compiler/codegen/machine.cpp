@@ -50,12 +50,12 @@ llvm::CodeGenOptLevel codegenLevel(int optimization) {
 // The graph is already free of common subexpressions and folded: what is left to LLVM is the cleaning of conditions and loads. Level 3 adds
 // the usual pipeline, without vectorisation, which finds nothing in scalar code.
 llvm::ModulePassManager pipeline(llvm::PassBuilder &builder, int optimization) {
-  if (optimization >= 3)
-    return builder.buildPerModuleDefaultPipeline(llvm::OptimizationLevel::O2);
   llvm::FunctionPassManager passes;
   passes.addPass(llvm::EarlyCSEPass());
   passes.addPass(llvm::InstCombinePass());
   passes.addPass(llvm::SimplifyCFGPass());
+  if (optimization >= 3)
+    passes.addPass(builder.buildFunctionSimplificationPipeline(llvm::OptimizationLevel::O2, llvm::ThinOrFullLTOPhase::None));
   llvm::ModulePassManager modulePasses;
   modulePasses.addPass(llvm::createModuleToFunctionPassAdaptor(std::move(passes)));
   return modulePasses;
@@ -91,10 +91,7 @@ std::string hostDescription() { return llvm::sys::getHostCPUName().str() + ' ' +
 void optimize(llvm::Module &module, llvm::TargetMachine &machine, int optimization) {
   if (optimization <= 0)
     return;
-  llvm::PipelineTuningOptions tuning;
-  tuning.SLPVectorization = false;
-  tuning.LoopVectorization = false;
-  llvm::PassBuilder builder(&machine, tuning);
+  llvm::PassBuilder builder(&machine);
   llvm::LoopAnalysisManager loops;
   llvm::FunctionAnalysisManager functions;
   llvm::CGSCCAnalysisManager components;
