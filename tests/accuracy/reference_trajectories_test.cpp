@@ -31,7 +31,7 @@ const Reference kSlider{"S11_slidercrank_e0",
                         "slider_crank.tf",
                         {"th1", "th2", "th3", "w1", "w2", "w3"},
                         {"phi[1]", "phi[2]", "phi[3]", "der(phi[1])", "der(phi[2])", "der(phi[3])"},
-                        1e-7};
+                        1e-6};
 
 struct Case {
   const Reference *reference;
