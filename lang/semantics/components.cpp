@@ -101,7 +101,8 @@ private:
     }
     component_.leaf = &instantiateClass(context_, type, component_.modifier, &component_, component_.path, ownDims);
     checkModifierNames(context_, component_.modifier, *component_.leaf, component_.clause->isCoordinate);
-    if (component_.prefixes.causality == flat::Causality::Local)
+    const Class *container = component_.container;
+    if (container->owner == nullptr && component_.prefixes.causality == flat::Causality::Local)
       component_.prefixes.causality = component_.leaf->causality == ast::Causality::Input    ? flat::Causality::Input
                                       : component_.leaf->causality == ast::Causality::Output ? flat::Causality::Output
                                                                                              : flat::Causality::Local;
@@ -244,6 +245,8 @@ Component *actual(Context &context, Component &component) {
     return &component;
   if (component.inner != nullptr)
     return component.inner;
+  if (component.modifier && !component.element->isInner)
+    context.diagnostics.report(diag::OuterModified, component.modifier->span, component.name);
   const Class *container = component.container;
   while (container != nullptr) {
     // The outermost derived class knows all members of the instance.

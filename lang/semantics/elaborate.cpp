@@ -166,6 +166,22 @@ private:
           ordered.push_back(*class_.find(member.name));
     }
     rebuildIndex(std::move(ordered));
+    if (class_.predefined != nullptr)
+      refuseAdditions(own);
+  }
+
+  // Like Real, the mechanical elements take no added members.
+  void refuseAdditions(const std::vector<std::vector<Member>> &own) {
+    Span added;
+    for (const ast::Section &section : definition_.sections)
+      added = section.span;
+    for (const std::vector<Member> &members : own)
+      if (!members.empty())
+        added = members.front().span;
+    if (!added.valid())
+      return;
+    context_.diagnostics.report(diag::PredefinedExtended, added, definition_.name.text, class_.predefined->name);
+    class_.isFailed = true;
   }
 
   // Own elements of one declaration, entered in the index.
@@ -282,9 +298,10 @@ private:
       prefixes = class_.owner->prefixes;
     prefixes.isProtected |= element.isProtected;
     prefixes.isFinal |= element.isFinal || (component.modifier && component.modifier->isFinal);
-    if (component.clause->causality == ast::Causality::Input)
+    // Inputs and outputs of components are ordinary variables of the model.
+    if (class_.owner == nullptr && component.clause->causality == ast::Causality::Input)
       prefixes.causality = flat::Causality::Input;
-    if (component.clause->causality == ast::Causality::Output)
+    if (class_.owner == nullptr && component.clause->causality == ast::Causality::Output)
       prefixes.causality = flat::Causality::Output;
     if (component.clause->variability == ast::Variability::None)
       return;
@@ -441,14 +458,28 @@ Class &instantiateClass(Context &context, const Class &type, const ModifierPtr &
   return instance;
 }
 
+namespace {
+
+// An attribute has a value and nothing inside.
+void checkAttributeModifier(Context &context, const Modifier &attribute) {
+  for (const ModifierPtr &inside : attribute.children)
+    context.diagnostics.report(diag::UnknownAttribute, inside->nameSpan, inside->name, attribute.name);
+  if (!attribute.binding && attribute.children.empty())
+    context.diagnostics.report(diag::AttributeWithoutValue, attribute.nameSpan, attribute.name);
+}
+
+}  // namespace
+
 void checkModifierNames(Context &context, const ModifierPtr &modifier, Class &type, bool isCoordinate) {
   if (!modifier || type.isFailed)
     return;
   for (const ModifierPtr &child : modifier->children) {
     if (type.find(child->name) != nullptr)
       continue;
-    if (type.predefined != nullptr && type.predefined->attribute(child->name) != nullptr)
+    if (type.predefined != nullptr && type.predefined->attribute(child->name) != nullptr) {
+      checkAttributeModifier(context, *child);
       continue;
+    }
     if (child->name == "der" && type.predefined != nullptr) {
       if (!isCoordinate)
         context.diagnostics.report(diag::DerModifierOutsideCoordinate, child->nameSpan);

@@ -77,6 +77,9 @@ private:
     if (const ModifierPtr *der = component.leaf->leafModifier ? component.leaf->leafModifier->find("der") : nullptr)
       derAttributes = attributesOf(component, *der, (*der)->isEach);
     checkBinding(component, binding);
+    const bool isGiven = (component.modifier && component.modifier->binding) || givenAttribute(component, "start") != nullptr;
+    if (variabilityOf(component) == Variability::Parameter && !isGiven && typeOf(component).base != Base::String)
+      context_.diagnostics.report(diag::ParameterWithoutValue, component.declaration->name.span, component.path);
     evaluateIfAnnotated(component);
     flat::Variable &variable = context_.model.variables[static_cast<std::size_t>(id)];
     variable.binding = binding;
