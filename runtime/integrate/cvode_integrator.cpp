@@ -165,6 +165,9 @@ StepStatus CvodeIntegrator::step(double limit) {
   ++statistics_.steps;
   CVodeGetCurrentStep(s.memory, &next_);
   endTime_ = outcome == CV_TSTOP_RETURN ? limit : reached;
+  // Towards a singularity CVODE goes on with steps that no longer change the time.
+  if (endTime_ <= beginTime_)
+    return StepStatus::TooSmall;
   std::copy_n(N_VGetArrayPointer(s.state), n_, end_.begin());
   return dynamics_.evaluate(endTime_, end_.data(), endRate_.data()) ? StepStatus::Done : StepStatus::Unsolvable;
 }
