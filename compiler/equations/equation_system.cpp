@@ -289,33 +289,23 @@ bool EquationSystem::defineVariable(int id) {
   return true;
 }
 
-// Solves left = right for the provisional symbol `id`, in which it must be linear.
 bool EquationSystem::solveFor(int id, const ScalarEquation &equation) {
   const auto sides = resolve(std::array{equation.left, equation.right});
-  const NodeId unknown = graph_.symbol(SymbolKind::Unknown, id);
-  const auto isUnknown = [&](Symbol symbol) { return symbol.kind == SymbolKind::Unknown && symbol.index == id; };
-  NodeId &definition = definitions_[static_cast<std::size_t>(id)];
-  for (const std::size_t k : {0U, 1U})
-    if (sides[k] == unknown && !ir::dependsOn(graph_, sides[1 - k], isUnknown)) {
-      definition = sides[1 - k];
-      return true;
-    }
-  const NodeId residual = graph_.sub(sides[0], sides[1]);
-  const NodeId coefficient =
-      ir::forwardDerivative(graph_, std::array{residual}, [&](Symbol symbol) { return graph_.constant(isUnknown(symbol) ? 1 : 0); })[0];
+  const LinearSolution solution = solveLinear(graph_, sides[0], sides[1], {SymbolKind::Unknown, id});
   const Provisional symbol = provisionals_[id];
   const std::string name = symbol.order == 0 ? nameOf(symbol.index) : fmt::format("der({})", nameOf(symbol.index));
-  if (graph_.isConstant(coefficient, 0)) {
+  switch (solution.outcome) {
+  case LinearSolution::Outcome::Solved:
+    definitions_[static_cast<std::size_t>(id)] = solution.value;
+    return true;
+  case LinearSolution::Outcome::Vanishing:
     diagnostics_.report(diag::VanishingUnknown, equation.span, name);
     return false;
-  }
-  const NodeId rest = ir::substitute(graph_, std::array{residual}, [&](Symbol s) { return isUnknown(s) ? graph_.constant(0) : -1; })[0];
-  if (ir::dependsOn(graph_, coefficient, isUnknown)) {
+  case LinearSolution::Outcome::Nonlinear:
     diagnostics_.report(diag::NonlinearEquation, equation.span, name);
     return false;
   }
-  definition = graph_.isConstant(coefficient, -1) ? rest : graph_.div(graph_.neg(rest), coefficient);
-  return true;
+  return false;
 }
 
 bool EquationSystem::defineDerivative(int id) {

@@ -91,6 +91,14 @@ private:
   std::map<std::vector<std::pair<ir::NodeId, double>>, std::pair<int, double>> sharedSwitches_;  // normal form → switch, its scale
 };
 
+// left = right solved for `unknown`, in which it must be linear.
+struct LinearSolution {
+  enum class Outcome : std::uint8_t { Solved, Vanishing, Nonlinear };
+  Outcome outcome = Outcome::Solved;
+  ir::NodeId value = -1;
+};
+[[nodiscard]] LinearSolution solveLinear(ir::Graph &graph, ir::NodeId left, ir::NodeId right, ir::Symbol unknown);
+
 // A condition as scale · Σ coefficient · term: the normal form has coefficient 1 on its first term; terms are sorted, the constant is term
 // −1. Two conditions are equal up to a constant factor iff their normal forms are equal. Scale 0: the condition is the constant 0.
 struct LinearForm {

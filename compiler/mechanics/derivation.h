@@ -6,6 +6,12 @@
 
 namespace tf::mechanics {
 
+// One scalar initial equation, before the equations are solved.
+struct InitialEquation {
+  ir::NodeId left = -1, right = -1;
+  Span span;
+};
+
 // What the steps share. Elements' nodes are resolved: in terms of the symbols of a HybridSystem.
 struct Derivation {
   const flat::FlatModel &model;
@@ -43,6 +49,8 @@ void deriveContacts(Derivation &derivation);
 
 // Parameters, starts, and the table of quantities and aliases; false after errors (reported).
 [[nodiscard]] bool tabulateParameters(Derivation &derivation);
+// Starts that initial equations determine: of states that are not fixed, of coordinates and velocities with fixed = false.
+[[nodiscard]] bool solveInitialEquations(Derivation &derivation, const std::vector<InitialEquation> &equations);
 [[nodiscard]] bool tabulateQuantities(Derivation &derivation);
 
 // Values of all parameters, bound ones included, as the model gives them.

@@ -1,6 +1,5 @@
 #include "compiler/mechanics/derivation.h"
 
-#include "compiler/equations/diagnostics.h"
 #include "compiler/mechanics/diagnostics.h"
 #include "runtime/abi/tf_model.h"
 
@@ -43,7 +42,7 @@ private:
 };
 
 void addEquations(const flat::FlatModel &model, const equations::VariableTable &variables, DeclarationReferences &references,
-                  equations::Scalariser &scalariser, equations::EquationSystem &system, Diagnostics &diagnostics) {
+                  equations::Scalariser &scalariser, equations::EquationSystem &system, std::vector<mechanics::InitialEquation> &initial) {
   for (std::size_t k = 0; k < model.variables.size(); ++k) {
     const auto id = static_cast<flat::VariableId>(k);
     const flat::Variable &variable = model.variables[k];
@@ -54,13 +53,14 @@ void addEquations(const flat::FlatModel &model, const equations::VariableTable &
   for (const flat::Equation &equation : model.equations) {
     if (equation.left->type.base == flat::Base::String)
       continue;
-    if (equation.isInitial)
-      diagnostics.report(equations::diag::InitialEquation, equation.span);
-    else
+    if (!equation.isInitial) {
       addEquation(*equation.left, *equation.right, -1, equation.span, scalariser, system);
+      continue;
+    }
+    const std::vector<NodeId> lefts = scalariser(*equation.left), rights = scalariser(*equation.right);
+    for (std::size_t k = 0; k < lefts.size(); ++k)
+      initial.push_back({lefts[k], rights[k], equation.span});
   }
-  for (const flat::Assertion &assertion : model.assertions)
-    diagnostics.report(mechanics::diag::UncheckedAssertion, assertion.span);
 }
 
 int switchKind(equations::SwitchKind kind) {
@@ -112,7 +112,10 @@ std::optional<HybridSystem> derive(const flat::FlatModel &model, const SourceMan
   scalariser.setElementValue([&](const flat::Expr &reference) { return table.value(reference); });
   equations::EquationSystem equations(names, system.graph, provisionals, diagnostics);
   DeclarationReferences references;
-  addEquations(model, variables, references, scalariser, equations, diagnostics);
+  std::vector<mechanics::InitialEquation> initial;
+  addEquations(model, variables, references, scalariser, equations, initial);
+  for (const flat::Assertion &assertion : model.assertions)
+    diagnostics.report(mechanics::diag::UncheckedAssertion, assertion.span);
   mechanics::Elements elements = table.entries();
   if (diagnostics.errorCount() > errorsBefore || !equations.solve())
     return std::nullopt;
@@ -121,7 +124,8 @@ std::optional<HybridSystem> derive(const flat::FlatModel &model, const SourceMan
   takeOver(derivation);
   const bool areElementsRight = mechanics::checkElements(derivation);
   const bool areParametersRight = mechanics::tabulateParameters(derivation);
-  if (!areElementsRight || !areParametersRight || !mechanics::tabulateQuantities(derivation))
+  if (!areElementsRight || !areParametersRight || !mechanics::solveInitialEquations(derivation, initial) ||
+      !mechanics::tabulateQuantities(derivation))
     return std::nullopt;
   mechanics::deriveDynamics(derivation);
   mechanics::deriveContacts(derivation);
