@@ -105,7 +105,7 @@ public:
   Syntax(CLI::App &parent, const char *name, const char *description) : app(parent.add_subcommand(name, description)) {
     app->allow_extras();
     app->footer(kFooter);
-    app->add_option("FILE", files, "source files (.tf or .mo)");
+    app->add_option("FILE", files, "source files (.tf or .mo)")->type_name("");
     option("--model", model, "NAME", "the model to take, if the files contain several");
     option("-L", libraries, "DIR", "folder to look for classes in (repeatable)");
     option("--set", settings, "NAME=VALUE",
@@ -113,7 +113,10 @@ public:
   }
 
   CLI::Option *option(const std::string &names, Values &values, const char *placeholder, const char *description) {
-    return app->add_option(names, values, description)->allow_extra_args(false)->type_name(placeholder);
+    return app->add_option(names, values, description)
+        ->expected(1)
+        ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll)
+        ->type_name(placeholder);
   }
 
   void finish(ModelOptions &options, Reader &reader, Diagnostics &diagnostics) const {

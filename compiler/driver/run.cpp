@@ -92,6 +92,7 @@ public:
       session_.diagnostics.report(diag::InitialisationFailed, {}, tf_error_text(simulation_));
       return false;
     }
+    hasStarted_ = true;
     rows_.point();
     const tf_status status = started == TF_OK ? advance() : started;
     const std::string failure = tf_error_text(simulation_);
@@ -105,6 +106,8 @@ public:
     return !session_.diagnostics.hasErrors();
   }
 
+  // Whether there is anything to summarise.
+  [[nodiscard]] bool hasStarted() const { return hasStarted_; }
   [[nodiscard]] const SummaryInput &report() const { return report_; }
 
 private:
@@ -130,6 +133,7 @@ private:
   ResultRows &rows_;
   Session &session_;
   SummaryInput report_;
+  bool hasStarted_ = false;
 };
 
 }  // namespace
@@ -156,7 +160,7 @@ int runCommand(const RunOptions &options, Session &session) {
   }
   Run run(*prepared, options, grid, *rows.value(), session);
   const bool isDone = run.simulate();
-  if (!options.quiet && tf_get_statistics(prepared->simulation.get()) != nullptr) {
+  if (!options.quiet && run.hasStarted()) {
     const std::string text = summary(run.report(), *rows.value());
     std::fwrite(text.data(), 1, text.size(), stderr);
   }

@@ -55,10 +55,21 @@ TEST_F(CompileCommand, GivesTheSameBytesAgain) {
 TEST_F(CompileCommand, HeaderCompilesAsCAndNumbersTheVariables) {
   ASSERT_EQ(compile({"--emit", "header", "-o", "particle.h"}).exitCode, 0);
   EXPECT_THAT(readFile(folder.path() / "particle.h"), HasSubstr("Particle_der_q_2"));
-  writeFile(folder.path() / "use.c", "#include \"particle.h\"\nint x[Particle_nq == 2 ? 1 : -1];\nint y[Particle_time == 0 ? 1 : -1];\n");
+  writeFile(folder.path() / "use.c",
+            "#include \"particle.h\"\nint x[Particle_count_coordinates == 2 ? 1 : -1];\nint y[Particle_time == 0 ? 1 : -1];\n");
   const ProcessResult gcc =
       runProcess("/usr/bin/env", {"cc", "-std=c11", "-Wall", "-Werror", "-pedantic", "-I" TF_SOURCE_DIR, "-c", "use.c"}, folder.path());
   EXPECT_EQ(gcc.exitCode, 0) << gcc.err;
+}
+
+TEST_F(CompileCommand, FixesStructuralParameters) {
+  const std::string source = TF_SOURCE_DIR "/tests/cli/bad_input/structural.tf";
+  ASSERT_EQ(runTfc({"compile", source, "--set", "n=3", "-o", "three.so"}, folder.path()).exitCode, 0);
+  EXPECT_THAT(runTfc({"run", "three.so"}, folder.path()).out, HasSubstr("x[3]"));
+  const ProcessResult refused = runTfc({"run", "three.so", "--set", "n=2"}, folder.path());
+  EXPECT_EQ(refused.exitCode, 2);
+  EXPECT_EQ(refused.err,
+            "error: 'n' is a structural parameter, compiled into 'three.so'; set it where the source is run or compiled  [TF0846]\n");
 }
 
 TEST_F(CompileCommand, RefusesToOverwriteItsSource) {

@@ -77,7 +77,7 @@ TEST(DiagnosticsRegistry, EveryKindIsTested) {
       tests += readFile(entry.path());
   }
   for (const Kind &kind : registeredKinds()) {
-    const bool isNamed = std::regex_search(tests, std::regex("::" + kind.name + "\\b"));
+    const bool isNamed = std::regex_search(tests, std::regex("[:&]" + kind.name + "\\b"));
     EXPECT_TRUE(isNamed || tests.find(kind.code) != std::string::npos) << kind.code << " (" << kind.name << " of " << kind.file << ")";
   }
 }

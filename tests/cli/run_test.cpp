@@ -141,6 +141,25 @@ TEST_F(RunCommand, ReportsAFullDiskAndAnUnwritablePlace) {
   EXPECT_THAT(full.err, HasSubstr("No space left"));
 }
 
+TEST_F(RunCommand, StopsWhereItsResultCannotBeWrittenAnyMore) {
+  // 8 blocks of 512 or 1024 bytes; the signal of the limit is ignored, so that writing fails.
+  const std::string command = "trap '' XFSZ; ulimit -f 8; exec '" TF_BINARY_DIR "/tfc' run '" + kParticle + "' -o out.csv";
+  const ProcessResult result = runProcess("/bin/sh", {"-c", command}, folder.path(), {"TFC_CACHE_DIR="});
+  EXPECT_EQ(result.exitCode, 3) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("TF0903"));
+  EXPECT_GT(std::filesystem::file_size(folder.path() / "out.csv"), 1000U);
+}
+
+TEST_F(RunCommand, SaysThatTheCodeGeneratorIsMissing) {
+  const std::filesystem::path build = TF_BINARY_DIR;
+  for (const char *file : {"tfc", "libtf.so"})
+    std::filesystem::copy_file(build / file, folder.path() / file);
+  const ProcessResult result = runProcess(folder.path() / "tfc", {"run", kParticle}, folder.path(), {"TFC_CACHE_DIR="});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_THAT(result.err, HasSubstr("TF0828"));
+  EXPECT_THAT(result.err, HasSubstr("libtfcodegen.so"));
+}
+
 TEST_F(RunCommand, KeepsRowsFromBeforeAFailure) {
   writeFile(folder.path() / "blowup.tf", "model Blowup\n  Real x(start = 1, fixed = true);\nequation\n  der(x) = x^2;\nend Blowup;\n");
   const ProcessResult result = runTfc({"run", "blowup.tf", "--stop-time", "2", "--interval", "0.25", "-o", "out.csv"}, folder.path());
