@@ -266,26 +266,7 @@ ast::Name Parser::parseName(std::string_view what) {
   return {{}, Span{file_, token.begin, token.begin}};
 }
 
-ast::Reference Parser::parseReference() {
-  ast::Reference reference;
-  const std::uint32_t begin = here();
-  reference.leadingDot = accept(TokenKind::Dot);
-  auto parts = list<ast::ReferencePart>();
-  do {
-    ast::ReferencePart part;
-    part.name = parseName("a name");
-    if (at(TokenKind::LeftBracket)) {
-      part.hasSubscripts = true;
-      part.subscripts = parseSubscripts();
-    }
-    parts.push(part);
-  } while (accept(TokenKind::Dot));
-  reference.parts = parts.finish(arena_);
-  reference.span = since(begin);
-  return reference;
-}
-
-ast::Reference Parser::parseTypeName(std::string_view what) {
+ast::Reference Parser::parseDotted(std::string_view what, bool withSubscripts) {
   ast::Reference reference;
   const std::uint32_t begin = here();
   reference.leadingDot = accept(TokenKind::Dot);
@@ -293,6 +274,10 @@ ast::Reference Parser::parseTypeName(std::string_view what) {
   do {
     ast::ReferencePart part;
     part.name = parseName(what);
+    if (withSubscripts && at(TokenKind::LeftBracket)) {
+      part.hasSubscripts = true;
+      part.subscripts = parseSubscripts();
+    }
     parts.push(part);
   } while (accept(TokenKind::Dot));
   reference.parts = parts.finish(arena_);

@@ -59,7 +59,6 @@ private:
     kind_ = recoveryKind;
     return diagnostic;
   }
-  [[nodiscard]] bool recovering() const { return recovering_; }
   void resume();
   void synchronize();
   [[nodiscard]] bool isStructural(const Token &token, std::size_t ahead) const;
@@ -72,7 +71,7 @@ private:
   void expectClosing(TokenKind closing, const Token &opening, std::string_view separators = "','");
   [[nodiscard]] bool startsSomething(const Token &token) const;
 
-  // Guards recursion: false, with an error, where the text nests too deeply.
+  // Guards recursion: reports where the text nests too deeply.
   class Nesting {
   public:
     explicit Nesting(Parser &parser);
@@ -88,8 +87,9 @@ private:
   // ---- names
   [[nodiscard]] bool atClassWordAsName() const;
   ast::Name parseName(std::string_view what);
-  ast::Reference parseReference();  // with subscripts
-  ast::Reference parseTypeName(std::string_view what);
+  ast::Reference parseDotted(std::string_view what, bool withSubscripts);
+  ast::Reference parseReference() { return parseDotted("a name", true); }
+  ast::Reference parseTypeName(std::string_view what) { return parseDotted(what, false); }
   ast::List<ast::Expr *> parseSubscripts();
 
   // ---- expressions
