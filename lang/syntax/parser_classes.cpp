@@ -143,8 +143,12 @@ ast::ClassDefinition *Parser::parseClass(bool inModification) {
     } else {
       if (inModification)
         complain(LongClassInModifier, definition->name.span, definition->name.text);
-      if (isOptimization && at(TokenKind::LeftParenthesis))
+      if (isOptimization && at(TokenKind::LeftParenthesis)) {
+        // The heading belongs to the class: `objective = q[1](finalTime)`.
+        const Restriction enclosing = std::exchange(enclosing_, Restriction::Optimization);
         definition->modification = parseClassModification();
+        enclosing_ = enclosing;
+      }
       parseLongClass(*definition);
     }
   }
