@@ -142,12 +142,21 @@ TEST_F(RunCommand, ReportsAFullDiskAndAnUnwritablePlace) {
 }
 
 TEST_F(RunCommand, StopsWhereItsResultCannotBeWrittenAnyMore) {
+  ASSERT_EQ(runTfc({"compile", kParticle}, folder.path()).exitCode, 0);
   // 8 blocks of 512 or 1024 bytes; the signal of the limit is ignored, so that writing fails.
-  const std::string command = "trap '' XFSZ; ulimit -f 8; exec '" TF_BINARY_DIR "/tfc' run '" + kParticle + "' -o out.csv";
-  const ProcessResult result = runProcess("/bin/sh", {"-c", command}, folder.path(), {"TFC_CACHE_DIR="});
+  const std::string command = "trap '' XFSZ; ulimit -f 8; exec '" TF_BINARY_DIR "/tfc' run Particle.so -o out.csv";
+  const ProcessResult result = runProcess("/bin/sh", {"-c", command}, folder.path());
   EXPECT_EQ(result.exitCode, 3) << result.err;
   EXPECT_THAT(result.err, HasSubstr("TF0903"));
   EXPECT_GT(std::filesystem::file_size(folder.path() / "out.csv"), 1000U);
+}
+
+TEST_F(RunCommand, SaysWhatCodeGenerationMisses) {
+  const ProcessResult result =
+      runProcess(TF_BINARY_DIR "/tfc", {"compile", kParticle}, folder.path(), {"TMPDIR=" + (folder.path() / "no/such").string()});
+  EXPECT_EQ(result.exitCode, 2);
+  EXPECT_THAT(result.err, HasSubstr("TF0829"));
+  EXPECT_THAT(result.err, HasSubstr("no/such"));
 }
 
 TEST_F(RunCommand, SaysThatTheCodeGeneratorIsMissing) {
