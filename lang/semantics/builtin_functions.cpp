@@ -95,9 +95,10 @@ std::optional<std::vector<const ast::Expr *>> arrangeArguments(Typer &typer, con
   const auto count = static_cast<int>(arguments.size());
   const bool isComplete = std::ranges::none_of(arguments, [](const ast::Expr *argument) { return argument == nullptr; });
   if (count < function.minimum || (function.maximum >= 0 && count > function.maximum) || !isComplete) {
-    const std::string wanted = function.maximum == function.minimum ? std::to_string(function.minimum)
-                               : function.maximum < 0               ? fmt::format("at least {}", function.minimum)
-                                                                    : fmt::format("{} to {}", function.minimum, function.maximum);
+    const std::string range = function.maximum == function.minimum ? std::to_string(function.minimum)
+                              : function.maximum < 0               ? fmt::format("at least {}", function.minimum)
+                                                                   : fmt::format("{} to {}", function.minimum, function.maximum);
+    const std::string wanted = range + (range == "1" || range == "at least 1" ? " argument" : " arguments");
     typer.diagnostics().report(diag::ArgumentCount, call.span, function.name, wanted, count);
     return std::nullopt;
   }

@@ -87,7 +87,9 @@ private:
   }
 
   bool wrongCoordinate() {
-    context_.diagnostics.report(diag::CoordinateType, component_.clause->type.span, dotted(component_.clause->type));
+    Diagnostic &error = context_.diagnostics.report(diag::CoordinateType, component_.clause->type.span, dotted(component_.clause->type));
+    if (component_.type->definition != nullptr)
+      error.note(component_.type->definition->name.span, fmt::format("'{}' is declared here", component_.type->name));
     return false;
   }
 

@@ -189,7 +189,7 @@ public:
       addAttribute(spec);
     if (predefined_.kind == PredefinedKind::Constraint)
       context_.diagnostics.report(diag::NotSupported, element_.clause->type.span, "'constraint'");
-    else
+    else if (!hasUnknownAttribute())
       checkRequired();
   }
 
@@ -229,6 +229,13 @@ private:
   }
 
   [[nodiscard]] bool has(std::string_view attribute) const { return givenAttribute(element_, attribute) != nullptr; }
+
+  // A misspelt attribute was reported; that it is missing under its right name would be a cascade.
+  [[nodiscard]] bool hasUnknownAttribute() const {
+    return element_.leaf->leafModifier && std::ranges::any_of(element_.leaf->leafModifier->children, [&](const ModifierPtr &child) {
+             return predefined_.attribute(child->name) == nullptr;
+           });
+  }
 
   void require(std::string_view attribute) {
     if (!has(attribute))

@@ -324,7 +324,7 @@ private:
         parts[found - std::begin(kNames)] = named.value;
     }
     if (isUnknown || parts[0] == nullptr || parts[1] == nullptr) {
-      context_.diagnostics.report(diag::ArgumentCount, call.span, "assert", "2 to 3", call.operands.size() + call.named.size());
+      context_.diagnostics.report(diag::ArgumentCount, call.span, "assert", "2 to 3 arguments", call.operands.size() + call.named.size());
       out.isRight = false;
       return;
     }

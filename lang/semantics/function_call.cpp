@@ -45,7 +45,8 @@ public:
 private:
   bool arrange() {
     if (call_.operands.size() > inputs_.size()) {
-      context_.diagnostics.report(diag::ArgumentCount, call_.span, function_.name, inputs_.size(), call_.operands.size());
+      context_.diagnostics.report(diag::ArgumentCount, call_.span, function_.name,
+                                  fmt::format("{} argument{}", inputs_.size(), inputs_.size() == 1 ? "" : "s"), call_.operands.size());
       return false;
     }
     bool isRight = true;

@@ -56,6 +56,15 @@ std::vector<std::string> candidatesOf(const Library &library) {
   return names.empty() ? inPackages : names;
 }
 
+// A model of a file whose `within` names a package that is not there.
+Class *findInGivenFiles(Context &context, const std::string &name) {
+  for (const ast::File *file : context.library.given())
+    for (const ast::ClassDefinition *definition : file->classes)
+      if (definition != nullptr && file->hasWithin && qualified(dotted(file->within), definition->name.text) == name)
+        return &topLevelClass(context, *definition);
+  return nullptr;
+}
+
 // The class to instantiate; null: reported, or there are candidates to choose from.
 Class *chooseModel(Context &context, Instantiation &result) {
   std::vector<std::string> candidates = candidatesOf(context.library);
@@ -70,6 +79,8 @@ Class *chooseModel(Context &context, Instantiation &result) {
     name = candidates.front();
   }
   Class *chosen = lookupQualified(context, name);
+  if (chosen == nullptr)
+    chosen = findInGivenFiles(context, name);
   if (chosen == nullptr) {
     context.diagnostics.report(diag::UnknownModel, Span{}, name).suggest(name, candidates);
     return nullptr;

@@ -162,7 +162,8 @@ private:
   bool checkArguments(const ast::Expr &expr, const Class &record) {
     const auto fields = std::ranges::count_if(record.members, [](const Member &member) { return member.component != nullptr; });
     if (expr.operands.size() > static_cast<std::size_t>(fields)) {
-      context_.diagnostics.report(diag::ArgumentCount, expr.span, record.name, fields, expr.operands.size());
+      context_.diagnostics.report(diag::ArgumentCount, expr.span, record.name, fmt::format("{} argument{}", fields, fields == 1 ? "" : "s"),
+                                  expr.operands.size());
       return false;
     }
     for (const ast::NamedArgument &named : expr.named)

@@ -163,6 +163,10 @@ TEST(Instantiate, libraryFilesBesideTheModel) {
   EXPECT_EQ(outcome.instantiation.files.size(), 4U);
 }
 
+TEST(Instantiate, aFileOfAPackageThatIsNotThere) {
+  EXPECT_EQ(flatten("within Lost.Package;\nmodel M\n  Real x = time;\nend M;\n"), "model M\n  Real x = time;\nend M;\n");
+}
+
 TEST(Instantiate, functionsAreExpanded) {
   const std::string flat = flatten(R"(
 function horner
