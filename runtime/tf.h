@@ -1,7 +1,8 @@
 /* libtf: simulation of compiled TF models, without compiler and front end. C API, one header.
  *
- * Every function that can fail returns a tf_status; tf_error_text(simulation) then says what went wrong in terms of the model. Indices of values
- * are those of tf_find. Units are the model's. A simulation is not shared between threads; different simulations are independent.
+ * Every function that can fail returns a tf_status; tf_error_text(simulation) says what went wrong in the latest call that failed, in terms
+ * of the model. Indices of values are those of tf_find. Units are the model's. A simulation is not shared between threads; different
+ * simulations are independent.
  */
 #ifndef TF_H
 #define TF_H
@@ -24,19 +25,31 @@ typedef enum tf_status {
 typedef enum tf_integrator { TF_AUTO = 0, TF_STEP = 1, TF_CVODE = 2, TF_EXPLICIT = 3 } tf_integrator;
 
 typedef enum tf_event_kind {
-  TF_EVENT_IMPACT = 0, TF_EVENT_OPENING, TF_EVENT_CLOSING, TF_EVENT_STICK, TF_EVENT_SLIP, TF_EVENT_SLIP_REVERSAL, TF_EVENT_SLIDING, TF_EVENT_REST,
-  TF_EVENT_PAINLEVE, TF_EVENT_TIME, TF_EVENT_STATE, TF_EVENT_TERMINATE, TF_EVENT_COUNT
+  TF_EVENT_IMPACT = 0,
+  TF_EVENT_OPENING,
+  TF_EVENT_CLOSING,
+  TF_EVENT_STICK,
+  TF_EVENT_SLIP,
+  TF_EVENT_SLIP_REVERSAL,
+  TF_EVENT_SLIDING,
+  TF_EVENT_REST,
+  TF_EVENT_PAINLEVE,
+  TF_EVENT_TIME,
+  TF_EVENT_STATE,
+  TF_EVENT_TERMINATE,
+  TF_EVENT_COUNT
 } tf_event_kind;
 
 typedef struct tf_event {
   double time, tau;
-  int32_t kind;    /* tf_event_kind */
-  int32_t element; /* contact index; nc + friction index; nc + nf + switch index; -1 for none */
+  int32_t kind;                 /* tf_event_kind */
+  int32_t element;              /* contact index; nc + friction index; nc + nf + switch index; -1 for none */
   const double *before, *after; /* q, v, z [nq + nv + nz] */
 } tf_event;
 
 typedef struct tf_statistics {
-  long long steps, rejected_steps, evaluations, jacobians, newton_iterations, contact_solves, frozen_phases, breakpoints, events[TF_EVENT_COUNT];
+  long long steps, rejected_steps, evaluations, jacobians, newton_iterations, contact_solves, frozen_phases, breakpoints,
+      events[TF_EVENT_COUNT];
   long long cvode_steps, explicit_steps, step_steps;
   double worst_gap, worst_normal_force, worst_residual; /* over outputs: least gap, least normal force, largest contact residual */
 } tf_statistics;
@@ -54,16 +67,18 @@ const tf_model *tf_get_model(const tf_simulation *simulation);
 /* Variable's number by name or alias, -1 if there is none. */
 int32_t tf_find(const tf_simulation *simulation, const char *name);
 
-/* Before tf_initialise: parameters, starts of coordinates, velocities and states; set later they (and tolerance, integrator, step options) end the
- * run, which then begins anew with tf_initialise. Also inputs, held constant, at any time. */
+/* Before tf_initialise: parameters, starts of coordinates, velocities and states; set later they (and tolerance, integrator, step options)
+ * end the run, which then begins anew with tf_initialise. Also inputs, held constant, at any time. */
 tf_status tf_set(tf_simulation *simulation, const char *name, double value);
 /* An input's table: count points (times nondecreasing); zero-order hold or linear interpolation; the last value is held. Copied. */
-tf_status tf_set_input_table(tf_simulation *simulation, const char *name, const double *times, const double *values, size_t count, int linear);
-/* An input by callback. `value` must be smooth between the breakpoints that `next_breakpoint` returns (the first one after time, infinity for
- * none; null: no breakpoints); `segment` is a time inside the smooth piece that is meant. */
+tf_status tf_set_input_table(tf_simulation *simulation, const char *name, const double *times, const double *values, size_t count,
+                             int linear);
+/* An input by callback. `value` must be smooth between the breakpoints that `next_breakpoint` returns (the first one after time, infinity
+ * for none; null: no breakpoints); `segment` is a time inside the smooth piece that is meant. */
 typedef double (*tf_input_value)(void *data, double time, double segment);
 typedef double (*tf_input_breakpoint)(void *data, double time);
-tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_input_value value, tf_input_breakpoint next_breakpoint, void *data);
+tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_input_value value, tf_input_breakpoint next_breakpoint,
+                                void *data);
 
 tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance);
 tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator);

@@ -25,17 +25,17 @@ extern "C" {
 
 /* Argument arrays and their lengths. */
 enum tf_in {
-  TF_IN_TIME = 0,      /* 1: physical time */
-  TF_IN_Q = 1,         /* nq: coordinates */
-  TF_IN_V = 2,         /* nv: velocities */
-  TF_IN_Z = 3,         /* nz: continuous states */
-  TF_IN_U = 4,         /* nu: inputs */
-  TF_IN_P = 5,         /* np: parameters */
-  TF_IN_ALPHA = 6,     /* ns: step variables */
-  TF_IN_A = 7,         /* nv: accelerations v' */
-  TF_IN_NORMAL = 8,    /* nc: normal forces */
-  TF_IN_TANGENT = 9,   /* nt: tangential forces */
-  TF_IN_ZDOT = 10,     /* nz: z' */
+  TF_IN_TIME = 0,    /* 1: physical time */
+  TF_IN_Q = 1,       /* nq: coordinates */
+  TF_IN_V = 2,       /* nv: velocities */
+  TF_IN_Z = 3,       /* nz: continuous states */
+  TF_IN_U = 4,       /* nu: inputs */
+  TF_IN_P = 5,       /* np: parameters */
+  TF_IN_ALPHA = 6,   /* ns: step variables */
+  TF_IN_A = 7,       /* nv: accelerations v' */
+  TF_IN_NORMAL = 8,  /* nc: normal forces */
+  TF_IN_TANGENT = 9, /* nt: tangential forces */
+  TF_IN_ZDOT = 10,   /* nz: z' */
   TF_IN_COUNT = 11
 };
 
@@ -54,20 +54,20 @@ enum tf_kind {
   TF_KIND_STATE_DERIVATIVE = 6,
   TF_KIND_INPUT = 7,
   TF_KIND_PARAMETER = 8,
-  TF_KIND_OUTPUT = 9,         /* of the function `outputs` */
-  TF_KIND_GAP = 10,           /* contact index */
-  TF_KIND_NORMAL_FORCE = 11,  /* contact index */
-  TF_KIND_TANGENT_FORCE = 12, /* tangential row */
-  TF_KIND_SLIP = 13,          /* tangential row */
-  TF_KIND_CLOSED = 14,        /* contact index, 0/1 */
-  TF_KIND_STICKING = 15,      /* tangential row, 0/1 */
-  TF_KIND_IMPULSE = 16,       /* contact index: accumulated normal impulse of impacts */
-  TF_KIND_TIME_SPEED = 17,    /* dt/dtau = beta */
-  TF_KIND_STEP_VARIABLE = 18, /* alpha_j of switch j */
-  TF_KIND_GAP_STEP = 19,      /* contact index: alpha_1, 0 while closed */
-  TF_KIND_GAP_RATE_STEP = 20, /* contact index: alpha_2, 1 - push while closed */
-  TF_KIND_SLIP_STEP = 21,     /* tangential row: alpha_3 */
-  TF_KIND_PUSH = 22,          /* contact index: (1 - alpha_1)(1 - alpha_2), the weight of its auxiliary fields */
+  TF_KIND_OUTPUT = 9,          /* of the function `outputs` */
+  TF_KIND_GAP = 10,            /* contact index */
+  TF_KIND_NORMAL_FORCE = 11,   /* contact index */
+  TF_KIND_TANGENT_FORCE = 12,  /* tangential row */
+  TF_KIND_SLIP = 13,           /* tangential row */
+  TF_KIND_CLOSED = 14,         /* contact index, 0/1 */
+  TF_KIND_STICKING = 15,       /* tangential row, 0/1 */
+  TF_KIND_IMPULSE = 16,        /* contact index: accumulated normal impulse of impacts */
+  TF_KIND_TIME_SPEED = 17,     /* dt/dtau = beta */
+  TF_KIND_STEP_VARIABLE = 18,  /* alpha_j of switch j */
+  TF_KIND_GAP_STEP = 19,       /* contact index: alpha_1, 0 while closed */
+  TF_KIND_GAP_RATE_STEP = 20,  /* contact index: alpha_2, 1 - push while closed */
+  TF_KIND_SLIP_STEP = 21,      /* tangential row: alpha_3 */
+  TF_KIND_PUSH = 22,           /* contact index: (1 - alpha_1)(1 - alpha_2), the weight of its auxiliary fields */
   TF_KIND_THETA_BACKWARD = 23, /* tangential row: push alpha_3, of the field with friction against positive slip */
   TF_KIND_THETA_FORWARD = 24   /* tangential row: push (1 - alpha_3) */
 };
@@ -78,8 +78,8 @@ enum tf_variable_flags {
   TF_STRUCTURAL = 4, /* a parameter whose value is compiled in */
   TF_BOOLEAN = 8,
   TF_INTEGER = 16,
-  TF_BOUND = 32,     /* a parameter whose value is computed from others unless it is set */
-  TF_OUTPUT = 64,    /* declared `output` */
+  TF_BOUND = 32,  /* a parameter whose value is computed from others unless it is set */
+  TF_OUTPUT = 64, /* declared `output` */
   TF_PROTECTED = 128
 };
 
@@ -146,12 +146,12 @@ typedef struct tf_model {
   int32_t variable_count, alias_count;
   const tf_variable *variables; /* in the order of the result columns; the first two are time and tau */
   const tf_alias *aliases;
-  const tf_contact *contacts;   /* nc */
-  const tf_friction *frictions; /* nf */
-  const tf_switch *switches;    /* ns */
-  const double *parameters;     /* np: the values of unbound parameters (0 for bound ones) */
-  int32_t binding_depth;        /* bindings must be evaluated this often for all bound parameters to be right */
-  int32_t mass_is_constant;     /* M depends on parameters only */
+  const tf_contact *contacts;                        /* nc */
+  const tf_friction *frictions;                      /* nf */
+  const tf_switch *switches;                         /* ns */
+  const double *parameters;                          /* np: the values of unbound parameters (0 for bound ones) */
+  int32_t binding_depth;                             /* bindings must be evaluated this often for all bound parameters to be right */
+  int32_t mass_is_constant;                          /* M depends on parameters only */
   double start_time, stop_time, tolerance, interval; /* of annotation(experiment); NaN where not given */
 
   /* in: P. out: 0 values [np] of bound parameters out of the others. */
