@@ -73,7 +73,7 @@ struct ContactSolution {
   bool redundant = false;             // D is singular on the active rows: λ is the least-norm one
   std::vector<ForceLimit> saturated;  // redundant: limits on which the least-norm λ lies within the mode
   std::vector<int> degenerate;        // rows decided by the next derivative only (ContactSolver::resolve)
-  int forced = -1;                    // Inconsistent: the normal row whose contact starts a frictional impulse
+  int forced = -1;                    // Inconsistent, Unsettled: the normal row whose contact would start a frictional impulse
 };
 
 }  // namespace tf::runtime
