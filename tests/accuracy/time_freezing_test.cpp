@@ -66,6 +66,27 @@ end Beam;
   EXPECT_NEAR(model["tau"], 1 / beta, kExact * 10);
 }
 
+TEST(TimeFreezing, MultipliersInSlipAndStick) {
+  // The contact's two frozen modes have the multipliers push alpha_3 and push (1 - alpha_3), push = (1 - alpha_1) (1 - alpha_2), with
+  // alpha_1 = 0, alpha_2 = 1 - push, push = lambda beta / a; the free motion has the rest, which is the speed of time. In stick alpha_3
+  // makes the friction force: lambda_t = -mu lambda (2 alpha_3 - 1).
+  CompiledModel model(example("particle.tf"), {{"mu", 0.3}, {"g", 10}, {"u[1]", 2}, {"der(q[1])", 1}});
+  model.tolerance(1e-10).initialise();
+  const double beta = 0.5, push = 0.5;
+  for (const bool sticks : {false, true}) {
+    model.advance(sticks ? 1.5 : 0.7);  // sticks from 1 s on
+    const double alpha3 = sticks ? (1 + 2 / (0.3 * 10)) / 2 : 1;
+    EXPECT_EQ(model["floor.sticking"], sticks ? 1 : 0);
+    EXPECT_NEAR(timeSpeed(model), beta, kExact);
+    EXPECT_NEAR(model["floor.frictionForce"], sticks ? -2 : -3, kExact);
+    EXPECT_NEAR(model["floor.alpha[1]"], 0, kExact);
+    EXPECT_NEAR(model["floor.alpha[2]"], 1 - push, kExact);
+    EXPECT_NEAR(model["floor.alpha[3]"], alpha3, kExact);
+    EXPECT_NEAR(model["floor.theta[1]"], push * alpha3, kExact);
+    EXPECT_NEAR(model["floor.theta[2]"], push * (1 - alpha3), kExact);
+  }
+}
+
 TEST(TimeFreezing, SlidingContactWithCoupledDirections) {
   // The rod slides on its left end: lambda = -phi / D_s, D_s = D_nn - mu s D_nt, beta = a / (a + lambda).
   CompiledModel model(example("falling_rod.tf"));
