@@ -156,7 +156,7 @@ TEST_F(RunCommand, SaysWhatCodeGenerationMisses) {
       runProcess(TF_BINARY_DIR "/tfc", {"compile", kParticle}, folder.path(), {"TMPDIR=" + (folder.path() / "no/such").string()});
   EXPECT_EQ(result.exitCode, 2);
   EXPECT_THAT(result.err, HasSubstr("TF0829"));
-  EXPECT_THAT(result.err, HasSubstr("no/such"));
+  EXPECT_THAT(result.err, HasSubstr("temporary directory"));
 }
 
 TEST_F(RunCommand, SaysThatTheCodeGeneratorIsMissing) {

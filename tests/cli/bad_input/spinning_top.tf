@@ -1,4 +1,4 @@
-model Rotation
+model SpinningTop
   coordinate Rotation R;
   body top(orientation = R, inertia = identity(3));
-end Rotation;
+end SpinningTop;
