@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <unordered_map>
+#include <utility>
 #include <variant>
 
 namespace tf::ir {
@@ -34,6 +36,8 @@ public:
       pending_.pop_back();
       if (const auto *literal = std::get_if<const char *>(&piece))
         out_ += *literal;
+      else if (const auto *number = std::get_if<Number>(&piece))
+        out_ += fmt::format("{}", number->value);
       else
         write(std::get<Operand>(piece));
     }
@@ -45,10 +49,84 @@ private:
     NodeId id;
     int level;  // the loosest that needs no parentheses here
     bool expand = false;
+    double scale = 1;  // of a product: multiplies its constant
   };
-  using Piece = std::variant<const char *, Operand>;
+  struct Number {
+    double value;
+  };
+  using Piece = std::variant<const char *, Number, Operand>;
+
+  struct Factor {
+    NodeId id;
+    int count;
+  };
+  struct FlatProduct {
+    double constant = 1;
+    std::vector<Factor> factors;  // in order of appearance
+  };
+  struct Term {
+    NodeId id;
+    bool isNegative;
+    int count;
+  };
 
   [[nodiscard]] bool isNegative(NodeId id) const { return graph_[id].op == Op::Constant && std::signbit(graph_[id].value); }
+  [[nodiscard]] bool isInner(NodeId id, NodeId root, Op op) const { return graph_[id].op == op && (id == root || !names_.contains(id)); }
+
+  // A product of products as one, its constants multiplied and its equal factors counted.
+  [[nodiscard]] FlatProduct productOf(NodeId root) const {
+    FlatProduct product;
+    std::unordered_map<NodeId, std::size_t> places;
+    std::vector<NodeId> pending{root};
+    while (!pending.empty()) {
+      const NodeId id = pending.back();
+      pending.pop_back();
+      if (isInner(id, root, Op::Mul)) {
+        pending.insert(pending.end(), {graph_[id].operands[1], graph_[id].operands[0]});
+      } else if (graph_[id].op == Op::Constant) {
+        product.constant *= graph_[id].value;
+      } else {
+        const auto [place, isNew] = places.emplace(id, product.factors.size());
+        if (isNew)
+          product.factors.push_back({id, 0});
+        ++product.factors[place->second].count;
+      }
+    }
+    return product;
+  }
+
+  [[nodiscard]] bool isNegativeProduct(NodeId id) const {
+    return graph_[id].op == Op::Mul && !names_.contains(id) && productOf(id).constant < 0;
+  }
+
+  // A sum of sums as one, constants last. What is subtracted is one term.
+  [[nodiscard]] std::vector<Term> termsOf(NodeId root) const {
+    std::vector<Term> terms, constants;
+    std::map<std::pair<NodeId, bool>, std::size_t> places;
+    std::vector<std::pair<NodeId, bool>> pending{{root, false}};
+    while (!pending.empty()) {
+      const auto [id, isSubtracted] = pending.back();
+      pending.pop_back();
+      const Node &node = graph_[id];
+      if (!isSubtracted && isInner(id, root, Op::Add)) {
+        pending.insert(pending.end(), {{node.operands[1], false}, {node.operands[0], false}});
+      } else if (!isSubtracted && isInner(id, root, Op::Sub)) {
+        pending.insert(pending.end(), {{node.operands[1], true}, {node.operands[0], false}});
+      } else if (node.op == Op::Constant) {
+        constants.push_back({id, isSubtracted, 1});
+      } else {
+        const auto [place, isNew] = places.emplace(std::pair(id, isSubtracted), terms.size());
+        if (isNew)
+          terms.push_back({id, isSubtracted, 0});
+        ++terms[place->second].count;
+      }
+    }
+    if (!terms.empty() && terms.front().isNegative && !constants.empty())
+      terms.insert(terms.begin(), constants.begin(), constants.end());  // "1 - x"
+    else
+      terms.insert(terms.end(), constants.begin(), constants.end());
+    return terms;
+  }
 
   [[nodiscard]] int levelOf(NodeId id) const {
     const Node &node = graph_[id];
@@ -70,11 +148,14 @@ private:
     case Op::Equal:
       return Relation;
     case Op::Neg:
+      return isNegativeProduct(node.operands[0]) ? Product : Sum;
     case Op::Add:
     case Op::Sub:
       return Sum;
-    case Op::Mul:
-      return isNegative(node.operands[0]) ? Sum : node.operands[0] == node.operands[1] ? Power : Product;
+    case Op::Mul: {
+      const FlatProduct product = productOf(id);
+      return product.constant < 0 ? Sum : product.factors.size() == 1 && product.constant == 1 ? Power : Product;
+    }
     case Op::Div:
       return isNegative(node.operands[0]) ? Sum : Product;
     case Op::Pow:
@@ -110,24 +191,60 @@ private:
       out_ += found->second;
       return;
     }
-    const bool parentheses = levelOf(operand.id) < operand.level;
+    const bool parentheses = operand.scale == 1 && levelOf(operand.id) < operand.level;
     if (parentheses) {
       push({"(", Operand{operand.id, Choice, operand.expand}, ")"});
       return;
     }
-    writeBare(graph_[operand.id]);
+    writeBare(operand);
   }
 
-  // The right operand of + and · needs no parentheses around an operation of the same level, if it does not begin with a sign.
-  [[nodiscard]] int rightLevel(NodeId id, int level) const {
-    const bool begins = levelOf(id) == level && graph_[id].arity == 2 && levelOf(graph_[id].operands[0]) > Sum;
-    return begins ? level : level + 1;
+  void writeSum(NodeId id) {
+    std::vector<Piece> pieces;
+    for (const Term &term : termsOf(id)) {
+      const bool isProduct = graph_[term.id].op == Op::Mul && !names_.contains(term.id);
+      const bool flips = isProduct && productOf(term.id).constant < 0;
+      const bool isNegative = term.isNegative != flips;
+      const int level = pieces.empty() && !isNegative && term.count == 1 ? Sum : Product;
+      if (!pieces.empty())
+        pieces.emplace_back(isNegative ? " - " : " + ");
+      else if (isNegative)
+        pieces.emplace_back("-");
+      if (term.count > 1 && !isProduct) {
+        pieces.emplace_back(Number{static_cast<double>(term.count)});
+        pieces.emplace_back("*");
+      }
+      pieces.emplace_back(Operand{term.id, level, false, isProduct ? (flips ? -term.count : term.count) : 1.0});
+    }
+    pending_.insert(pending_.end(), pieces.rbegin(), pieces.rend());
   }
 
-  void writeBare(const Node &node) {
+  void writeProduct(NodeId id, double scale) {
+    const FlatProduct product = productOf(id);
+    std::vector<Piece> pieces;
+    const double constant = scale * product.constant;
+    if (constant == -1)
+      pieces.emplace_back("-");
+    else if (constant != 1 || product.factors.empty())
+      pieces.emplace_back(Number{constant});
+    for (std::size_t k = 0; k < product.factors.size(); ++k) {
+      const auto [factor, count] = product.factors[k];
+      if (!pieces.empty() && !(k == 0 && constant == -1))
+        pieces.emplace_back("*");
+      const bool isQuotient = graph_[factor].op == Op::Div && (k == 0 || k + 1 == product.factors.size());
+      pieces.emplace_back(Operand{factor, count > 1 ? Primary : isQuotient ? Product : Power});
+      if (count > 1) {
+        pieces.emplace_back("^");
+        pieces.emplace_back(Number{static_cast<double>(count)});
+      }
+    }
+    pending_.insert(pending_.end(), pieces.rbegin(), pieces.rend());
+  }
+
+  void writeBare(const Operand &operand) {
+    const Node &node = graph_[operand.id];
     const NodeId a = node.operands[0];
     const NodeId b = node.operands[1];
-    const auto left = [&](int level) { return Operand{a, isNegative(a) ? Sum : level}; };
     switch (node.op) {
     case Op::Constant:
       out_ += fmt::format("{}", node.value);
@@ -136,16 +253,14 @@ private:
       out_ += symbolName_(node.symbol);
       return;
     case Op::Neg:
-      return push({"-", Operand{a, Product}});
+      return isNegativeProduct(a) ? writeProduct(a, -1) : push({"-", Operand{a, Product}});
     case Op::Add:
-      return graph_[a].op == Op::Constant ? push({Operand{b, Sum}, " + ", Operand{a, Product}})
-                                          : push({Operand{a, Sum}, " + ", Operand{b, rightLevel(b, Sum)}});
     case Op::Sub:
-      return push({Operand{a, Sum}, " - ", Operand{b, Product}});
+      return writeSum(operand.id);
     case Op::Mul:
-      return a == b ? push({Operand{a, Primary}, "^2"}) : push({left(Product), "*", Operand{b, rightLevel(b, Product)}});
+      return writeProduct(operand.id, operand.scale);
     case Op::Div:
-      return push({left(Product), "/", Operand{b, Power}});
+      return push({Operand{a, isNegative(a) ? Sum : Product}, "/", Operand{b, Power}});
     case Op::Pow:
       return push({Operand{a, Primary}, "^", Operand{b, Primary}});
     default:

@@ -41,7 +41,21 @@ TEST_F(PrintTest, ParenthesesOnlyWhereNeeded) {
   EXPECT_EQ(text(g.div(x, g.neg(y))), "-x/y");
   EXPECT_EQ(text(g.add(x, c(1))), "x + 1");
   EXPECT_EQ(text(g.binary(Op::Pow, g.mul(c(-3), x), c(3))), "(-3*x)^3");
-  EXPECT_EQ(text(g.mul(g.mul(c(-3), x), y)), "y*(-3*x)");
+  EXPECT_EQ(text(g.mul(g.mul(c(-3), x), y)), "-3*y*x");
+  EXPECT_EQ(text(g.sub(x, g.mul(y, g.mul(c(-3), z)))), "x + 3*y*z");
+  EXPECT_EQ(text(g.mul(z, g.mul(c(-3), g.add(x, y)))), "-3*z*(x + y)");
+  EXPECT_EQ(text(g.neg(g.mul(z, g.mul(c(-3), y)))), "3*z*y");
+  EXPECT_EQ(text(g.mul(g.mul(x, y), g.mul(x, z))), "x^2*y*z");
+  EXPECT_EQ(text(g.mul(x, g.div(y, z))), "x*y/z");
+  EXPECT_EQ(text(g.mul(g.div(y, z), g.div(x, z))), "y/z*x/z");
+  EXPECT_EQ(text(g.add(g.add(x, y), g.add(z, x))), "2*x + y + z");
+  const NodeId difference = g.sub(x, y), complement = g.sub(c(1), z);
+  EXPECT_EQ(text(g.add(difference, complement)), "x - y - z + 1");
+  EXPECT_EQ(text(g.sub(c(1), x)), "1 - x");
+  const NodeId third = g.mul(c(0.3), g.mul(x, y)), withY = g.add(third, y), withZ = g.add(third, z);
+  EXPECT_EQ(text(g.add(withY, withZ)), "y + 0.6*x*y + z");
+  const NodeId negative = g.mul(y, g.mul(c(-3), z)), sine = g.unary(Op::Sin, x), first = g.add(negative, sine), second = g.add(negative, x);
+  EXPECT_EQ(text(g.add(first, second)), "-6*y*z + sin(x) + x");
 }
 
 TEST_F(PrintTest, FunctionsRelationsAndChoices) {
