@@ -13,14 +13,21 @@ using ir::SymbolKind;
 
 namespace {
 
+// Nominal values by coordinate; 0 where the table of quantities has none.
+std::vector<double> nominalsOf(const HybridSystem &system) {
+  std::vector<double> nominals(static_cast<std::size_t>(system.nq), 0);
+  for (const Quantity &quantity : system.quantities)
+    if (quantity.kind == TF_KIND_COORDINATE)
+      nominals[static_cast<std::size_t>(quantity.index)] = std::abs(quantity.nominal);
+  return nominals;
+}
+
 // The length scale of a gap: the largest nominal value of the coordinates that move it.
-double nominalOf(const Derivation &derivation, NodeId gap) {
+double nominalOf(const HybridSystem &system, NodeId gap, const std::vector<double> &nominals) {
   double nominal = 0;
-  for (const ir::Symbol symbol : equations::symbolsOf(derivation.system.graph, gap))
+  for (const ir::Symbol symbol : equations::symbolsOf(system.graph, gap))
     if (symbol.kind == SymbolKind::Coordinate)
-      for (const Quantity &quantity : derivation.system.quantities)
-        if (quantity.kind == TF_KIND_COORDINATE && quantity.index == symbol.index)
-          nominal = std::max(nominal, std::abs(quantity.nominal));
+      nominal = std::max(nominal, nominals[static_cast<std::size_t>(symbol.index)]);
   return nominal > 0 ? nominal : 1;
 }
 
@@ -45,6 +52,29 @@ void deriveTangents(Derivation &derivation) {
     system.tangents.push_back({slips[k], bias[k], row(jacobian, k, columns)});
 }
 
+// True if no --set can change the value: it follows from constants, final and structural parameters.
+bool isSettled(const Derivation &derivation, NodeId node) {
+  const auto &parameters = derivation.variables.scalars(equations::Role::Parameter);
+  return std::ranges::all_of(equations::symbolsOf(derivation.system.graph, node), [&](ir::Symbol symbol) {
+    if (symbol.kind != SymbolKind::Parameter)
+      return false;
+    const auto index = static_cast<std::size_t>(symbol.index);
+    const flat::Variable &variable = derivation.variables.variable(parameters[index]);
+    const NodeId binding = derivation.system.parameterBindings[index];
+    return (variable.isFinal || variable.isStructural) && (binding < 0 || isSettled(derivation, binding));
+  });
+}
+
+// The ordinal of an impact law is compiled in; one that a parameter may change stays an expression, which checkContacts refuses.
+void settleLaw(const Derivation &derivation, ContactEntry &entry) {
+  ir::Graph &graph = derivation.system.graph;
+  if (!isSettled(derivation, entry.law))
+    return;
+  const std::vector<double> parameters = parameterValues(derivation.system);
+  entry.law = graph.constant(
+      ir::evaluate(graph, std::array{entry.law}, [&](ir::Symbol s) { return parameters[static_cast<std::size_t>(s.index)]; })[0]);
+}
+
 int lawOf(const Derivation &derivation, const ContactEntry &entry) {
   const ir::Node &law = derivation.system.graph[entry.law];
   return law.op == ir::Op::Constant ? static_cast<int>(law.value) - 1 : 0;
@@ -56,6 +86,7 @@ void deriveContacts(Derivation &derivation) {
   HybridSystem &system = derivation.system;
   ir::Graph &graph = system.graph;
   deriveTangents(derivation);
+  const std::vector<double> nominals = nominalsOf(system);
   std::vector<NodeId> gaps;
   for (const ContactEntry &entry : derivation.elements.contacts)
     gaps.push_back(entry.gap);
@@ -64,7 +95,8 @@ void deriveContacts(Derivation &derivation) {
   const std::vector<NodeId> rates = timeDerivative(graph, gaps, AlongMotion::WithoutAcceleration);
   const std::vector<NodeId> biases = timeDerivative(graph, rates, AlongMotion::WithoutAcceleration);
   for (std::size_t k = 0; k < gaps.size(); ++k) {
-    const ContactEntry &entry = derivation.elements.contacts[k];
+    ContactEntry &entry = derivation.elements.contacts[k];
+    settleLaw(derivation, entry);
     Contact contact;
     contact.name = entry.name;
     contact.span = derivation.model.elements[static_cast<std::size_t>(entry.element)].span;
@@ -78,7 +110,7 @@ void deriveContacts(Derivation &derivation) {
     contact.restitution = entry.restitution;
     contact.rate = entry.rate;
     contact.law = lawOf(derivation, entry);
-    contact.nominal = nominalOf(derivation, gaps[k]);
+    contact.nominal = nominalOf(system, gaps[k], nominals);
     system.contacts.push_back(std::move(contact));
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)

@@ -6,6 +6,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace tf {
 
@@ -46,11 +48,15 @@ int kindOf(SymbolKind kind) {
 
 class SystemPrinter {
 public:
-  explicit SystemPrinter(const HybridSystem &system) : s_(system) {}
+  explicit SystemPrinter(const HybridSystem &system) : s_(system) {
+    for (const Quantity &quantity : s_.quantities)
+      names_.try_emplace({quantity.kind, quantity.index}, &quantity.name);
+  }
 
   std::string run() {
     out_ = fmt::format("model {}{}\n", s_.name, s_.description.empty() ? "" : " \"" + s_.description + "\"");
-    out_ += "complementarity Lagrangian system: M v' = f + sum Jn' normalForce + sum Jt' frictionForce,  v = der(q)\n";
+    if (s_.nv > 0)
+      out_ += "complementarity Lagrangian system: M v' = f + sum Jn' normalForce + sum Jt' frictionForce,  v = der(q)\n";
     variables("coordinates q", TF_KIND_COORDINATE, s_.coordinateStarts);
     variables("velocities v", TF_KIND_VELOCITY, s_.velocityStarts);
     variables("states z", TF_KIND_STATE, s_.stateStarts);
@@ -68,7 +74,10 @@ public:
 
 private:
   std::string text(NodeId node) const {
-    return ir::print(s_.graph, node, [&](ir::Symbol symbol) { return s_.symbolName(symbol); });
+    return ir::print(s_.graph, node, [&](ir::Symbol symbol) {
+      const auto found = names_.find({kindOf(symbol.kind), symbol.index});
+      return found != names_.end() ? *found->second : s_.symbolName(symbol);
+    });
   }
 
   std::string row(const std::vector<NodeId> &nodes) const {
@@ -173,6 +182,7 @@ private:
   }
 
   const HybridSystem &s_;
+  std::map<std::pair<int, int>, const std::string *> names_;  // by kind and index
   std::string out_;
 };
 

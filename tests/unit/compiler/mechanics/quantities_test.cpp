@@ -144,6 +144,26 @@ end M;
   EXPECT_NE(model.quantity("floor.sticking"), nullptr);
 }
 
+TEST(Contacts, LawsOfConstantsAndFinalParameters) {
+  DerivedModel model(R"(
+model M
+  parameter ImpactLaw structural = ImpactLaw.Newton annotation(Evaluate = true);
+  final parameter ImpactLaw settled = ImpactLaw.Stronge;
+  coordinate Real y(start = 1);
+  body b(mass = 1, position = {0, y});
+  contact c0(gap = y);
+  contact c1(gap = y + 1, law = structural);
+  contact c2(gap = y + 2, law = settled);
+  contact c3(gap = y + 3, law = ImpactLaw.Stronge);
+end M;
+)");
+  TF_ASSERT_DERIVED(model);
+  EXPECT_EQ(model->contacts[0].law, TF_LAW_POISSON);
+  EXPECT_EQ(model->contacts[1].law, TF_LAW_NEWTON);
+  EXPECT_EQ(model->contacts[2].law, TF_LAW_STRONGE);
+  EXPECT_EQ(model->contacts[3].law, TF_LAW_STRONGE);
+}
+
 TEST(Quantities, ResultsOfElementsInExpressions) {
   DerivedModel model(R"(
 model M
