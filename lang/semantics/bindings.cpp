@@ -29,7 +29,7 @@ ExprPtr typeBinding(Context &context, const Binding &binding) {
     context.typedBindings.emplace(key, value);
   for (const Projection &projection : binding.projections)
     if (value != nullptr)
-      value = projectIndex(context, value, projection.index);
+      value = projectIndex(context, value, projection);
   return value;
 }
 

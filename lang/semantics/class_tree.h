@@ -28,6 +28,7 @@ using ModifierPtr = std::shared_ptr<const Modifier>;
 struct Projection {
   std::vector<int> index;
   std::string_view field;
+  std::vector<int> sizes = {};  // of the array that the index is into
 };
 
 // The value of a modification or declaration, not yet typed. The value covers the target's dimensions from `outerDims` on; with `each` it

@@ -196,7 +196,8 @@ private:
     }
     std::vector<int> index(component_.dimensions.size(), 1);
     for (int i = 0; i < count; ++i) {
-      const ModifierPtr modifier = component_.dimensions.empty() ? component_.modifier : splitForElement(component_.modifier, index);
+      const ModifierPtr modifier =
+          component_.dimensions.empty() ? component_.modifier : splitForElement(component_.modifier, index, component_.dimensions);
       Class &instance = instantiateClass(context_, type, modifier, &component_, component_.path + subscriptText(index), 0);
       component_.instances.push_back(&instance);
       if (i == 0)

@@ -127,7 +127,7 @@ private:
       if (member.component == nullptr || !resolve(context_, *member.component))
         continue;
       std::vector<Projection> field = outer;
-      field.push_back({{}, member.name});
+      field.push_back({{}, member.name, {}});
       if (!member.component->isLeaf() && !member.component->instances.empty())
         addFields(equation, *member.component->instances.front(), scope, field, out);
       else if (variabilityOf(*member.component) > Variability::Parameter)

@@ -189,34 +189,34 @@ template <class Change> ModifierPtr mapBindings(const ModifierPtr &modifier, con
 
 namespace {
 
-void splitBinding(Binding &binding, const std::vector<int> &index) {
+void splitBinding(Binding &binding, const std::vector<int> &index, const std::vector<int> &sizes) {
   if (binding.outerDims < static_cast<int>(index.size()))
-    binding.projections.push_back({{index.begin() + binding.outerDims, index.end()}, {}});
+    binding.projections.push_back({{index.begin() + binding.outerDims, index.end()}, {}, {sizes.begin() + binding.outerDims, sizes.end()}});
 }
 
 // Below the elements of the array: `each` keeps its value whole.
-ModifierPtr splitNested(const ModifierPtr &modifier, const std::vector<int> &index) {
+ModifierPtr splitNested(const ModifierPtr &modifier, const std::vector<int> &index, const std::vector<int> &sizes) {
   if (modifier->isEach)
     return mapBindings(modifier, [](Binding &binding) { binding.isWithinArray = true; });
   auto copy = std::make_shared<Modifier>(*modifier);
   if (copy->binding)
-    splitBinding(*copy->binding, index);
+    splitBinding(*copy->binding, index, sizes);
   for (ModifierPtr &child : copy->children)
-    child = splitNested(child, index);
+    child = splitNested(child, index, sizes);
   return copy;
 }
 
 }  // namespace
 
-ModifierPtr splitForElement(const ModifierPtr &modifier, const std::vector<int> &index) {
+ModifierPtr splitForElement(const ModifierPtr &modifier, const std::vector<int> &index, const std::vector<int> &sizes) {
   if (!modifier)
     return nullptr;
   auto copy = std::make_shared<Modifier>(*modifier);
   if (copy->binding && !copy->binding->isEach)
-    splitBinding(*copy->binding, index);
+    splitBinding(*copy->binding, index, sizes);
   for (ModifierPtr &child : copy->children) {
     if (!child->isEach) {
-      child = splitNested(child, index);
+      child = splitNested(child, index, sizes);
       continue;
     }
     auto element = std::make_shared<Modifier>(*child);
@@ -236,7 +236,7 @@ ModifierPtr shiftDimensions(const ModifierPtr &modifier, int depth) {
 
 Binding projectField(const Binding &binding, std::string_view field) {
   Binding projected = binding;
-  projected.projections.push_back({{}, field});
+  projected.projections.push_back({{}, field, {}});
   return projected;
 }
 

@@ -18,7 +18,8 @@ namespace tf::semantics {
 [[nodiscard]] ModifierPtr merge(const ModifierPtr &outer, const ModifierPtr &inner, Diagnostics &diagnostics);
 
 // The modifier of element `index` (1-based) of an array: values without `each` are indexed, `each` is dropped.
-[[nodiscard]] ModifierPtr splitForElement(const ModifierPtr &modifier, const std::vector<int> &index);
+// `sizes`: the dimensions of the array.
+[[nodiscard]] ModifierPtr splitForElement(const ModifierPtr &modifier, const std::vector<int> &index, const std::vector<int> &sizes);
 
 // Values written below `depth` dimensions (those of an array type's own modification) cover the dimensions after them.
 [[nodiscard]] ModifierPtr shiftDimensions(const ModifierPtr &modifier, int depth);

@@ -43,7 +43,7 @@ public:
       ExprPtr value = typeExpression(context_, expr, scope_);
       for (const Projection &projection : projections)
         if (value != nullptr)
-          value = projectIndex(context_, value, projection.index);
+          value = projectIndex(context_, value, projection);
       return value;
     }
     switch (expr.kind) {
@@ -114,15 +114,17 @@ private:
 
   ExprPtr element(const ast::Expr &expr, std::span<const Projection> projections) {
     const std::vector<int> &index = projections.front().index;
-    if (index.front() > static_cast<int>(expr.operands.size())) {
-      context_.diagnostics.report(diag::SplitSize, expr.span, expr.operands.size());
+    if (projections.front().sizes.front() != static_cast<int>(expr.operands.size())) {
+      context_.diagnostics.report(diag::SplitSize, expr.span, expr.operands.size(), projections.front().sizes.front());
       return nullptr;
     }
     std::vector<Projection> rest(projections.begin(), projections.end());
-    if (index.size() == 1)
+    if (index.size() == 1) {
       rest.erase(rest.begin());
-    else
+    } else {
       rest.front().index.erase(rest.front().index.begin());
+      rest.front().sizes.erase(rest.front().sizes.begin());
+    }
     return type(*expr.operands[static_cast<std::size_t>(index.front() - 1)], rest);
   }
 
@@ -183,15 +185,16 @@ private:
 
 }  // namespace
 
-ExprPtr projectIndex(Context &context, const ExprPtr &value, const std::vector<int> &index) {
+ExprPtr projectIndex(Context &context, const ExprPtr &value, const Projection &projection) {
+  const std::vector<int> &index = projection.index;
   const std::vector<int> &dims = value->type.dims;
   if (dims.size() < index.size()) {
     context.diagnostics.report(diag::NeedsEach, value->span, toString(value->type));
     return nullptr;
   }
   for (std::size_t i = 0; i < index.size(); ++i)
-    if (index[i] > dims[i]) {
-      context.diagnostics.report(diag::SplitSize, value->span, dims[i]);
+    if (dims[i] != projection.sizes[i]) {
+      context.diagnostics.report(diag::SplitSize, value->span, dims[i], projection.sizes[i]);
       return nullptr;
     }
   return elementAt(value, index, value->span);

@@ -13,7 +13,7 @@ namespace tf::semantics {
 // The record class of an expression that stands for a whole record; null if it does not. Nothing is reported.
 [[nodiscard]] Class *recordOf(Context &context, const ast::Expr &expr, const Scope &scope);
 
-// One element (1-based) of an array value along its leading dimensions. Null: reported.
-[[nodiscard]] ExprPtr projectIndex(Context &context, const ExprPtr &value, const std::vector<int> &index);
+// The element of an array value that a projection names; the value's leading dimensions must be its sizes. Null: reported.
+[[nodiscard]] ExprPtr projectIndex(Context &context, const ExprPtr &value, const Projection &projection);
 
 }  // namespace tf::semantics
