@@ -48,7 +48,8 @@ llvm::CodeGenOptLevel codegenLevel(int optimization) {
 }
 
 // The graph is already free of common subexpressions and folded: what is left to LLVM is the cleaning of conditions and loads. Level 3 adds
-// the usual pipeline, without vectorisation, which finds nothing in scalar code.
+// the usual simplification of functions, which finds little. No pass may look across functions: loads from slots are invariant within one
+// only.
 llvm::ModulePassManager pipeline(llvm::PassBuilder &builder, int optimization) {
   llvm::FunctionPassManager passes;
   passes.addPass(llvm::EarlyCSEPass());
