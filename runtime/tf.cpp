@@ -79,12 +79,12 @@ tf_status report(const tf_simulation *simulation, const Outcome<void> &outcome) 
   return outcome ? TF_OK : bad(simulation, outcome.error());
 }
 
-// Runs `body(content)`; exceptions (no memory, a callback that throws) become TF_FAILED.
+// Runs `body(content)`; exceptions (no memory, a callback that throws) become TF_FAILED. A call that succeeds leaves the text of the latest
+// failure: values of the last good point are read before the text is.
 template <class Body> tf_status guarded(const tf_simulation *simulation, const Body &body) noexcept {
   if (simulation == nullptr)
     return TF_BAD_ARGUMENT;
   simulation->lastResort = nullptr;
-  simulation->error.clear();
   try {
     if (simulation->content == nullptr)
       return bad(simulation, "no model was loaded");
@@ -447,22 +447,16 @@ tf_status tf_get_all_before(tf_simulation *simulation, double *values) {
 tf_status tf_get_named(tf_simulation *simulation, const char *name, double *value) {
   if (value != nullptr)
     *value = notAValue;
-  double sign = 1;
-  std::int32_t index = -1;
-  const tf_status found = guarded(simulation, [&](const Content &content) {
+  return guarded(simulation, [&](Content &content) {
     if (name == nullptr || value == nullptr)
       return bad(simulation, name == nullptr ? "a name is missing" : "the place for the value is missing");
     const auto reference = content.instance.find(name);
     if (!reference)
       return bad(simulation, content.instance.unknownName(name));
-    index = reference->variable;
-    sign = reference->sign;
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    *value = reference->sign * currentValues(content)[static_cast<std::size_t>(reference->variable)];
     return TF_OK;
   });
-  if (found != TF_OK)
-    return found;
-  *value = sign * tf_get(simulation, index);
-  return *tf_error_text(simulation) == '\0' ? TF_OK : TF_BAD_ARGUMENT;
 }
 
 size_t tf_state_size(const tf_simulation *simulation) {

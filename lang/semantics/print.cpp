@@ -20,8 +20,6 @@ const Attribute *Element::find(std::string_view attribute) const {
 
 namespace {
 
-constexpr std::array<std::string_view, 18> kOperators = {"",    "+",  "-",   "*", "/",  "^", ".*", "./", ".^",
-                                                         "and", "or", "not", "<", "<=", ">", ">=", "==", "<>"};
 constexpr std::array<std::string_view, 18> kPadded = {"",      " + ",  " - ",   "*",   "/",    "^",   " .* ", " ./ ", ".^",
                                                       " and ", " or ", " not ", " < ", " <= ", " > ", " >= ", " == ", " <> "};
 constexpr std::array<std::string_view, 43> kFunctions = {

@@ -46,6 +46,8 @@ public:
   virtual void setCareful(bool /*careful*/) {}
   // Error of a guard that starts at zero in the first steps of a mode, relative to its scale.
   [[nodiscard]] virtual double startingError() const { return 1e-12; }
+  // The state keeps its accuracy to rounding over the first instants of a mode, so that a gap's hop from zero can be followed there.
+  [[nodiscard]] virtual bool startsToRounding() const { return true; }
   // Stability, not accuracy, limits the steps of this mode.
   [[nodiscard]] virtual bool isStiff() const { return false; }
   // Length that the error control would take next.

@@ -52,10 +52,23 @@ double EventDetection::threshold(int guard) const {
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
 double EventDetection::level(int guard) const { return armed_[guard] ? 0 : std::min(start_[guard], 0.0) - threshold(guard); }
 
+// A gap that leaves zero at a tiny speed returns before it can be told from rounding; the integral of its rate (trapezoidal rule, exact for
+// a ballistic hop) shows it all the same.
+double EventDetection::hop(int guard, double time, double gap, double rate) const {
+  constexpr double rounding = 1e-12;
+  const double scale = dynamics_.guards()[guard].scale;
+  if (!integrator_->startsToRounding() || start_[guard] > rounding * scale || std::abs(gap) > rounding * scale)
+    return gap;
+  return 0.5 * (time - startTime_) * (startRate_[guard] + rate);
+}
+
 void EventDetection::readGuards(double time, Sample &sample) {
   sample.time = time;
   dynamics_.guardValues(sample.value.data());
   dynamics_.guardRates(sample.rate.data());
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k)
+    if (dynamics_.guards()[k].kind == GuardKind::Gap)
+      sample.value[k] = hop(static_cast<int>(k), time, sample.value[k], sample.rate[k]);
 }
 
 bool EventDetection::sample(double time, const double *state, Sample &sample) {
@@ -80,7 +93,9 @@ double EventDetection::guardAt(int guard, double time, const double *state) {
     return std::numeric_limits<double>::quiet_NaN();
   if (!isForce)
     dynamics_.model().setPoint(time, state);
-  return dynamics_.guardValue(guard);
+  const double value = dynamics_.guardValue(guard);
+  const Guard &g = dynamics_.guards()[guard];
+  return g.kind == GuardKind::Gap ? hop(guard, time, value, dynamics_.model().gapRate[g.index]) : value;
 }
 
 double EventDetection::guardInside(int guard, double time) {
@@ -88,7 +103,7 @@ double EventDetection::guardInside(int guard, double time) {
   return guardAt(guard, time, state_.data());
 }
 
-void EventDetection::restart(double time, const double *state) {
+void EventDetection::restart(double time, const double *state, double speedOfRounding) {
   const std::size_t count = dynamics_.guards().size();
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
@@ -100,13 +115,18 @@ void EventDetection::restart(double time, const double *state) {
   resize(end_);
   resize(middle_);
   std::for_each(pool_.begin(), pool_.end(), resize);
+  start_.assign(count, std::numeric_limits<double>::infinity());
+  startTime_ = time;
   sample(time, state, begin_);
   start_ = begin_.value;
+  startRate_ = begin_.rate;
   armed_.assign(count, 0);
   // A gap that opens at a speed needs no distance to be taken for open.
   for (std::size_t k = 0; k < count; ++k) {
     const double least = threshold(static_cast<int>(k));
-    armed_[k] = begin_.value[k] > least || (begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least);
+    const bool opens = integrator_->startsToRounding() ? begin_.rate[k] > speedOfRounding
+                                                       : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
+    armed_[k] = begin_.value[k] > least || opens;
   }
 }
 
@@ -124,7 +144,9 @@ void EventDetection::bracket(int guard, double low, double lowValue, double high
   const double zero = level(guard);
   double a = low, fa = std::max(lowValue - zero, 0.0), b = high, fb = highValue - zero;
   int side = 0;
-  for (int k = 0; k < 40 && b - a > 1e-9 * (high - low); ++k) {
+  // A gap that starts at zero is positive before it returns: halved until that is seen, however soon the return is.
+  const double smallest = 8 * std::numeric_limits<double>::epsilon() * std::abs(high);
+  for (int k = 0; k < 80 && b - a > (fa > 0 ? 1e-9 * (high - low) : smallest); ++k) {
     double x = fa - fb > 0 ? (fa * b - fb * a) / (fa - fb) : 0.5 * (a + b);
     if (!(x > a && x < b))
       x = 0.5 * (a + b);

@@ -21,7 +21,8 @@ public:
 
   void setIntegrator(SmoothIntegrator &integrator) { integrator_ = &integrator; }
   // A new mode begins at (time, state), where the dynamics has just been evaluated.
-  void restart(double time, const double *state);
+  // Gaps that start at zero with a larger rate than `speedOfRounding` are open.
+  void restart(double time, const double *state, double speedOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
   // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
@@ -45,6 +46,7 @@ private:
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
   void bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first);
   double threshold(int guard) const;
+  double hop(int guard, double time, double gap, double rate) const;
   double level(int guard) const;
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
@@ -53,7 +55,8 @@ private:
   ModeDynamics &dynamics_;
   SmoothIntegrator *integrator_;
   std::vector<std::uint8_t> armed_;  // the guard has been clearly positive in this mode
-  std::vector<double> start_;        // values where the mode began
+  double startTime_ = 0;             // where the mode began
+  std::vector<double> start_, startRate_;
   bool needsForces_ = false;
   bool watched_ = false;  // a gap has not left zero yet
   Sample begin_, middle_, end_;

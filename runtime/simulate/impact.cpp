@@ -47,9 +47,10 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
     std::string names;
     for (int row : result.rows)
       names += fmt::format("{}'{}'", names.empty() ? "" : ", ", model.contacts[contacts[row]].name);
-    text_ = result.status == FrozenStatus::Cycle
-                ? fmt::format("the impact of {} repeats the same sequence of contacts without end", names)
-                : fmt::format("the impact of {} never ends: the contact cannot give way to any impulse", names);
+    text_ = result.status == FrozenStatus::Cycle ? fmt::format("the impact of {} repeats the same sequence of contacts without end", names)
+            : result.status == FrozenStatus::Unbounded
+                ? fmt::format("the impact of {} never ends: the contact cannot give way to any impulse", names)
+                : fmt::format("the impact of {} has no continuation that could be found", names);
     return false;
   }
   rows_.accelerate(result.impulse.data(), state + model.nq);

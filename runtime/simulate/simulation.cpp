@@ -236,7 +236,7 @@ void Simulation::Implementation::useIntegrator(SmoothIntegrator &integrator) {
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
 void Simulation::Implementation::startIntegrator() {
   useIntegrator(*primary_);
-  detection_->restart(time_, state_.data());
+  detection_->restart(time_, state_.data(), 0.5 * selection_.velocityTolerance(state_.data()));
   integrator_->start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_->watchStart();
 }
