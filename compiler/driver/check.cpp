@@ -29,7 +29,7 @@ void checkModel(const flat::FlatModel &model, Session &session) {
 }  // namespace
 
 int checkCommand(const CheckOptions &options, Session &session) {
-  if (!checkReadable(options.files, session))
+  if (!checkReadable(options.files, session) || !checkLibraries(options, session))
     return session.exitCode();
   for (const std::string &file : options.files) {
     if (isCompiledModel(file))

@@ -106,7 +106,7 @@ bool isSourceFile(const std::string &output, const CompileOptions &options) {
 }  // namespace
 
 int compileCommand(const CompileOptions &options, Session &session) {
-  if (!checkReadable(options.files, session))
+  if (!checkReadable(options.files, session) || !checkLibraries(options, session))
     return session.exitCode();
   for (const std::string &file : options.files) {
     if (isCompiledModel(file))

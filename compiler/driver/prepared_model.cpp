@@ -80,7 +80,7 @@ bool generate(HybridSystem &system, const CacheRequest &request, const std::vect
 }  // namespace
 
 std::optional<PreparedModel> prepareModel(const RunOptions &options, const std::vector<Setting> &settings, Session &session) {
-  if (!checkReadable(options.files, session))
+  if (!checkReadable(options.files, session) || !checkLibraries(options, session))
     return std::nullopt;
   if (std::any_of(options.files.begin(), options.files.end(), isCompiledModel))
     return loadCompiled(options, session);

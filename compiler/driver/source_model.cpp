@@ -94,6 +94,18 @@ bool checkReadable(const std::vector<std::string> &files, Session &session) {
   return readable;
 }
 
+bool checkLibraries(const ModelOptions &options, Session &session) {
+  bool readable = true;
+  for (const std::string &folder : options.libraries) {
+    std::error_code error;
+    if (fs::is_directory(folder, error))
+      continue;
+    readable = false;
+    session.diagnostics.report(diag::CannotRead, {}, folder, error ? error.message() : "it is no folder");
+  }
+  return readable;
+}
+
 fs::path programPath() {
   std::error_code error;
   return fs::read_symlink("/proc/self/exe", error);

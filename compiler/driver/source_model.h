@@ -25,6 +25,8 @@ struct Setting {
 
 // Reports files that cannot be read; false if there are any.
 bool checkReadable(const std::vector<std::string> &files, Session &session);
+// The same for the folders of -L.
+bool checkLibraries(const ModelOptions &options, Session &session);
 
 // The standard library's folder: $TFC_STDLIB, else beside the program (share/tfc/stdlib when installed).
 [[nodiscard]] std::filesystem::path standardLibrary();
