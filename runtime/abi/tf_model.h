@@ -8,7 +8,8 @@
  * Generated functions are pure: no allocation, no input or output, no globals. All have the signature tf_function:
  * `in[k]` points to the array of TF_IN k, `out[k]` to the array that the function's comment lists as number k. Matrices are row-major.
  * `mask` selects rows where a function says so (mask[i] == 0: row i of the masked outputs is left untouched); where it says nothing,
- * mask may be null. Output arrays must not overlap input arrays. Values are SI or the model's own units. No function ever reads beyond the lengths of the model's table.
+ * mask may be null. Output arrays must not overlap input arrays. Values are SI or the model's own units. No function ever reads beyond the
+ * lengths of the model's table.
  */
 #ifndef TF_MODEL_H
 #define TF_MODEL_H
