@@ -433,6 +433,12 @@ double ModeDynamics::project(double *state, const double *scale) {
     cgR_[i] = i < normals ? -at_.gap[rows_.contacts()[i]] : 0;
   }
   correct(state);
+  // Velocities are corrected where the position is now.
+  double moved = 0;
+  for (int k = 0; k < model.nq; ++k)
+    moved = std::max(moved, std::abs(state[k] - shifted_[k]) / scale[k]);
+  if (moved > 1e-14)
+    at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
   for (int i = 0; i < rows; ++i) {
     correctedRows_[i] = i < normals || contactMode_.slip[i - normals] == 0;
     cgR_[i] = !correctedRows_[i] ? 0 : i < normals ? -at_.gapRate[rows_.contacts()[i]] : -at_.slip[rows_.tangents()[i - normals]];
