@@ -198,10 +198,10 @@ tf_status Simulation::Implementation::failEvaluation() {
 }
 
 void Simulation::Implementation::makeIntegrators() {
-  const SimulationOptions &options = owner_.options;
+  const SimulationOptions &wanted = owner_.options;
   IntegratorSettings settings;
-  settings.tolerance = options.tolerance;
-  settings.fixedStep = options.fixedStep;
+  settings.tolerance = wanted.tolerance;
+  settings.fixedStep = wanted.fixedStep;
   settings.scale.assign(n_, 1.0);
   for (int k = 0; k < model_.variable_count; ++k) {
     const tf_variable &variable = model_.variables[k];
@@ -213,16 +213,16 @@ void Simulation::Implementation::makeIntegrators() {
     else if (variable.kind == TF_KIND_STATE)
       settings.scale[model_.nq + model_.nv + variable.index] = nominal;
   }
-  const int stages = options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3;
+  const int stages = wanted.stages > 0 ? wanted.stages : wanted.tolerance < 1e-5 ? 4 : 3;
   primary_.reset();
   fallback_.reset();
-  if (options.integrator == TF_CVODE)
+  if (wanted.integrator == TF_CVODE)
     primary_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
-  else if (options.integrator == TF_STEP || (options.integrator == TF_AUTO && options.stages > 0))
+  else if (wanted.integrator == TF_STEP || (wanted.integrator == TF_AUTO && wanted.stages > 0))
     primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<Radau>(n_, stages));
   else
     primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<DormandPrince>(n_));
-  if (options.integrator != TF_CVODE && options.fixedStep <= 0)
+  if (wanted.integrator != TF_CVODE && wanted.fixedStep <= 0)
     fallback_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
   detection_ = std::make_unique<EventDetection>(dynamics_, *primary_);
   integrator_ = primary_.get();
