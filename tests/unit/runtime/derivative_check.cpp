@@ -17,7 +17,7 @@ std::size_t length(const tf_model &model, int argument) {
   return static_cast<std::size_t>(lengths[argument]);
 }
 
-// Blocks of a function's outputs.
+// Blocks of a function's outputs. An empty mask selects all rows.
 using Blocks = std::vector<Values>;
 
 Blocks call(tf_function function, const EvaluationPoint &point, const std::vector<int> &sizes, const std::vector<std::uint8_t> &mask = {},
@@ -31,7 +31,9 @@ Blocks call(tf_function function, const EvaluationPoint &point, const std::vecto
   std::array<const double *, TF_IN_COUNT> in{};
   for (std::size_t k = 0; k < in.size(); ++k)
     in[k] = point.in[k].data();
-  function(in.data(), out.data(), mask.empty() ? nullptr : mask.data());
+  // At least as many as contacts and friction elements, switches, and the three parts of `switching`.
+  const std::vector<std::uint8_t> all(point.in[TF_IN_NORMAL].size() + point.in[TF_IN_TANGENT].size() + point.in[TF_IN_ALPHA].size() + 3, 1);
+  function(in.data(), out.data(), mask.empty() ? all.data() : mask.data());
   return blocks;
 }
 
