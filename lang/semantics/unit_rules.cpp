@@ -77,6 +77,10 @@ private:
   }
 
   MaybeUnit of(const ExprPtr &expr) {
+    // Expressions of such a height (long generated sums) are not checked: the walk recurses.
+    constexpr int kMaximumCheckedHeight = 300;
+    if (expr->height > kMaximumCheckedHeight)
+      return std::nullopt;
     const auto known = done_.find(expr.get());
     if (known != done_.end())
       return known->second;
