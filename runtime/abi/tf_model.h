@@ -180,7 +180,8 @@ typedef struct tf_model {
   /* All first derivatives of the dynamics at fixed alpha, v' = A, ln = NORMAL, lt = TANGENT.
      in: all but ZDOT. out: 0 d(M A - f - Jn^T ln - Jt^T lt)/dx [nv x nx], 1 dz'/dx [nz x nx], 2 d(Jn A + bias)/dx [nc x nx],
      3 d(Jt A + bias)/dx [nt x nx], 4 dmu/dx [nc x nx], 5 dbound/dx [nt x nx].
-     mask: nc + nf bytes: rows of 2..5 and the terms of ln, lt in 0 (an unselected contact's forces count as 0). */
+     mask: nc + nf bytes, rows of 2..5. Output 0 has the terms of all forces: those of contacts and friction elements that are not
+     selected must be 0. */
   tf_function dynamics_derivatives;
   /* in: all. out: 0 outputs [no]. */
   tf_function outputs;
