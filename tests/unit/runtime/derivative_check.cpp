@@ -60,8 +60,7 @@ private:
   }
 
   // Five-point central difference of `values` by one entry of one argument.
-  Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry) const {
-    const double h = 1e-3;
+  Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry, double h = 1e-3) const {
     const auto at = [&](double step) {
       EvaluationPoint moved = point_;
       moved.in[static_cast<std::size_t>(argument)][entry] += step;
@@ -175,7 +174,10 @@ private:
         moved.in[TF_IN_V][i] += step * origin.in[TF_IN_A][i];
       return call(model_.switching, moved, switchingSizes())[block];
     };
-    return moving.difference(shifted, TF_IN_TIME, 0);
+    double speed = 1;  // the coordinates move by about the usual step
+    for (const double rate : qRate)
+      speed = std::max(speed, std::abs(rate));
+    return moving.difference(shifted, TF_IN_TIME, 0, 1e-3 / speed);
   }
 
   void compareAll(const std::string &name, const Values &found, const Values &expected) {
