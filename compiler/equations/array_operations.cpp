@@ -7,7 +7,7 @@ namespace tf::equations {
 
 namespace {
 
-std::size_t at(int row, int columns, int column) { return static_cast<std::size_t>(row * columns + column); }
+std::size_t at(int row, int columns, int column) { return static_cast<std::size_t>(row) * columns + column; }
 
 }  // namespace
 

@@ -54,7 +54,7 @@ std::string FormPrinter::switchingFunctions() const {
 bool FormPrinter::isMassDiagonal() const {
   for (int i = 0; i < system.nv; ++i)
     for (int j = 0; j < system.nv; ++j)
-      if (i != j && !system.graph.isConstant(system.mass[static_cast<std::size_t>(i * system.nv + j)], 0))
+      if (i != j && !system.graph.isConstant(system.mass[static_cast<std::size_t>(i) * system.nv + j], 0))
         return false;
   return true;
 }
@@ -63,7 +63,7 @@ std::string FormPrinter::massText() const {
   std::string all;
   for (int i = 0; i < system.nv && !isMassDiagonal(); ++i)
     for (int j = 0; j <= i; ++j)
-      if (const NodeId node = system.mass[static_cast<std::size_t>(i * system.nv + j)]; !system.graph.isConstant(node, 0))
+      if (const NodeId node = system.mass[static_cast<std::size_t>(i) * system.nv + j]; !system.graph.isConstant(node, 0))
         all += fmt::format("  M[{},{}] = {}\n", i + 1, j + 1, text(node));
   return all.empty() ? all : "\nmass matrix (symmetric; entries that are not shown are 0)\n" + all;
 }
@@ -91,7 +91,7 @@ std::string FormPrinter::components(const std::string &name, const std::vector<N
     list += (k == 0 ? "" : ", ") + shown(node);
     if (isDiagonal && !graph.isConstant(node, 0))
       all += fmt::format("    {}' = {}\n", system.symbolName({SymbolKind::Velocity, k}),
-                         shown(graph.div(node, system.mass[static_cast<std::size_t>(k * system.nv + k)])));
+                         shown(graph.div(node, system.mass[static_cast<std::size_t>(k) * system.nv + k])));
   }
   if (!isDiagonal)
     all += fmt::format("    v' = inverse(M)*({})\n", list);

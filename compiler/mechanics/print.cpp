@@ -120,7 +120,7 @@ private:
       out_ += "\nequations of motion (entries that are not shown are 0; M is symmetric)\n";
     for (int i = 0; i < s_.nv; ++i)
       for (int j = 0; j <= i; ++j)
-        if (const NodeId node = s_.mass[static_cast<std::size_t>(i * s_.nv + j)]; !s_.graph.isConstant(node, 0))
+        if (const NodeId node = s_.mass[static_cast<std::size_t>(i) * s_.nv + j]; !s_.graph.isConstant(node, 0))
           out_ += fmt::format("  M[{},{}] = {}\n", i + 1, j + 1, text(node));
     for (int i = 0; i < s_.nv; ++i)
       if (const NodeId node = s_.force[static_cast<std::size_t>(i)]; !s_.graph.isConstant(node, 0))
@@ -134,7 +134,7 @@ private:
 
   void tangents(int first, int count) {
     for (int k = 0; k < count; ++k) {
-      const TangentRow &tangent = s_.tangents[static_cast<std::size_t>(first + k)];
+      const TangentRow &tangent = s_.tangents[static_cast<std::size_t>(first) + k];
       const std::string index = count > 1 ? fmt::format("[{}]", k + 1) : "";
       out_ += fmt::format("  slip{} = {}\n", index, text(tangent.slip));
       out_ += fmt::format("  slip{}' = Jt v' + {},  Jt = {}\n", index, text(tangent.bias), row(tangent.jacobian));

@@ -12,7 +12,6 @@ namespace tf::mechanics {
 
 using equations::Role;
 using equations::ScalarVariable;
-using flat::ElementKind;
 using ir::NodeId;
 using ir::SymbolKind;
 

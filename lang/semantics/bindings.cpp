@@ -129,7 +129,7 @@ std::optional<std::vector<double>> constantValue(Context &context, const flat::E
     return std::nullopt;
   return evaluateExpression(expr, 0, [&](const flat::Expr &reference) -> std::optional<std::vector<double>> {
     Component &component = *context.variableOwners[static_cast<std::size_t>(reference.variable)];
-    const auto values = valueOf(context, component);
+    auto values = valueOf(context, component);
     if (!values || reference.indices.empty())
       return values;
     return selectValues(*values, component.dimensions, reference.indices);

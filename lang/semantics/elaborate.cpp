@@ -165,7 +165,7 @@ private:
         for (const Member &member : own[i])
           ordered.push_back(*class_.find(member.name));
     }
-    rebuildIndex(std::move(ordered));
+    rebuildIndex(ordered);
     if (class_.predefined != nullptr)
       refuseAdditions(own);
   }
@@ -226,7 +226,7 @@ private:
     return true;
   }
 
-  void addMember(Member member, std::vector<Member> &added) {
+  void addMember(const Member &member, std::vector<Member> &added) {
     if (member.component == nullptr && isDeclared({member.name, member.span}))
       return;
     class_.index.emplace(member.name, class_.members.size());
@@ -367,7 +367,7 @@ private:
   }
 
   // The same element inherited twice is one (MLS 7.1); different ones of one name are an error.
-  void rebuildIndex(std::vector<Member> ordered) {
+  void rebuildIndex(const std::vector<Member> &ordered) {
     class_.index.clear();
     class_.members.clear();
     for (const Member &member : ordered) {

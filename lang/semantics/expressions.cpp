@@ -166,7 +166,7 @@ ExprPtr makePower(ExprPtr base, ExprPtr exponent, Span span, Diagnostics &diagno
     return typeError(diagnostics, "^", base, exponent, span);
   std::vector<double> identity(static_cast<std::size_t>(sizeOf(dims)), 0.0);
   for (int i = 0; i < dims[0]; ++i)
-    identity[static_cast<std::size_t>(i * dims[0] + i)] = 1;
+    identity[static_cast<std::size_t>(i) * dims[0] + i] = 1;
   const int count = static_cast<int>(exponent->values[0]);
   ExprPtr product = count == 0 ? makeLiteral({Base::Real, dims}, std::move(identity), span) : base;
   for (int i = 1; i < count; ++i)

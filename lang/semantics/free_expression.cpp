@@ -81,7 +81,7 @@ flat::ExprPtr typeExpression(SourceManager &sources, FileId file, const std::fun
   Class &scope = context.newClass();
   scope.parent = context.root;
   scope.progress = Progress::Done;
-  const ExprPtr typed = FreeTyper(context, Scope{&scope, nullptr, false}, resolve, names).type(*tree.expression);
+  ExprPtr typed = FreeTyper(context, Scope{&scope, nullptr, false}, resolve, names).type(*tree.expression);
   if (typed == nullptr)
     return nullptr;
   if (!typed->type.dims.empty() || typed->type.base == Base::String) {

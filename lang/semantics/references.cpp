@@ -220,7 +220,7 @@ private:
     if (whole == nullptr)
       return nullptr;
     const ast::ReferencePart &last = reference_.parts[part + 1];
-    const ExprPtr selected = makeIndex(whole, chosen, span_);
+    ExprPtr selected = makeIndex(whole, chosen, span_);
     if (!last.hasSubscripts)
       return selected;
     const auto inner = typer_.selections(last.subscripts, selected->type.dims, span_);
