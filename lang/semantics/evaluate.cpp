@@ -169,7 +169,7 @@ private:
   }
 
   MaybeValues binary(const Expr &expr) {
-    const MaybeValues left = value(*expr.args[0]);
+    MaybeValues left = value(*expr.args[0]);
     if (!left)
       return std::nullopt;
     if (expr.type.dims.empty() && ((expr.op == Operator::And && (*left)[0] == 0) || (expr.op == Operator::Or && (*left)[0] != 0)))
@@ -321,7 +321,7 @@ std::optional<std::vector<double>> semantics::evaluateExpression(const flat::Exp
 std::optional<std::vector<double>> evaluate(const flat::Expr &expression, double time,
                                             const std::function<std::optional<std::vector<double>>(flat::VariableId)> &variable) {
   return semantics::evaluateExpression(expression, time, [&](const Expr &reference) -> MaybeValues {
-    const MaybeValues values = variable(reference.variable);
+    MaybeValues values = variable(reference.variable);
     if (!values || reference.indices.empty())
       return values;
     // A reference does not carry its variable's dimensions: only vectors can be selected from.
