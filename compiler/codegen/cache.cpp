@@ -143,7 +143,7 @@ std::string CodeCache::fileOf(const std::string &key) const { return directory_ 
 std::optional<std::string> CodeCache::find(const std::string &key) const {
   if (directory_.empty())
     return std::nullopt;
-  const std::string path = fileOf(key);
+  std::string path = fileOf(key);
   if (!isIntact(readFile(path)))
     return std::nullopt;
   utimensat(AT_FDCWD, path.c_str(), nullptr, 0);
@@ -166,7 +166,7 @@ std::optional<std::string> CodeCache::store(const std::string &key, std::string_
   std::memcpy(end.data(), &trailer, sizeof trailer);
   bool written = writeAll(descriptor, library) && writeAll(descriptor, {end.data(), end.size()});
   written = close(descriptor) == 0 && written;
-  const std::string path = fileOf(key);
+  std::string path = fileOf(key);
   if (!written || rename(temporary.c_str(), path.c_str()) != 0) {
     unlink(temporary.c_str());
     return std::nullopt;

@@ -87,7 +87,7 @@ private:
     }
   }
 
-  Unit &region(int group) { return regions_[static_cast<std::size_t>(group + 1)]; }
+  Unit &region(int group) { return regions_[static_cast<std::size_t>(group) + 1]; }
 
   // Begins regions with the clearing of their zeros. Returns which stores are done with that.
   std::vector<char> clearZeros() {

@@ -58,25 +58,7 @@ bool isRelation(const Expr &expression) {
 }
 
 bool isDecision(const Expr &expression) {
-  if (isRelation(expression))
-    return true;
-  if (expression.kind != ExprKind::Call)
-    return false;
-  switch (expression.function) {
-  case Function::Abs:
-  case Function::Sign:
-  case Function::Min:
-  case Function::Max:
-  case Function::Floor:
-  case Function::Ceil:
-  case Function::Integer:
-  case Function::Div:
-  case Function::Mod:
-  case Function::Rem:
-    return true;
-  default:
-    return false;
-  }
+  return isRelation(expression) || (expression.kind == ExprKind::Call && flat::hasSeams(expression.function));
 }
 
 // Makes the decisions of one time and notes what decides them.

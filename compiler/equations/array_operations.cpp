@@ -49,6 +49,7 @@ Array multiply(ir::Graph &graph, const Array &a, const Array &b) {
   for (int i = 0; i < rows; ++i)
     for (int j = 0; j < columns; ++j) {
       std::vector<ir::NodeId> terms;
+      terms.reserve(static_cast<std::size_t>(inner));
       for (int k = 0; k < inner; ++k)
         terms.push_back(graph.mul(a.nodes[at(i, inner, k)], b.nodes[at(k, columns, j)]));
       result.nodes.push_back(graph.sum(terms));

@@ -16,23 +16,6 @@ namespace {
 
 std::string_view relationName(Operator op) { return op == Operator::Equal ? "==" : "<>"; }
 
-std::string_view roundingName(Function function) {
-  switch (function) {
-  case Function::Div:
-    return "div";
-  case Function::Mod:
-    return "mod";
-  case Function::Rem:
-    return "rem";
-  case Function::Floor:
-    return "floor";
-  case Function::Ceil:
-    return "ceil";
-  default:
-    return "integer";
-  }
-}
-
 Op plainOperation(Function function) {
   switch (function) {
   case Function::Sqrt:
@@ -201,7 +184,7 @@ NodeId Scalariser::kinked(const Expr &expression, std::span<const NodeId> args) 
 
 NodeId Scalariser::rounded(const Expr &expression, std::span<const NodeId> args) {
   if (!isInline(expression)) {
-    diagnostics_.report(diag::EventFunction, expression.span, roundingName(expression.function));
+    diagnostics_.report(diag::EventFunction, expression.span, flat::nameOf(expression.function));
     return graph_.constant(0);
   }
   if (args.size() == 1)

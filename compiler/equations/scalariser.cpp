@@ -34,6 +34,14 @@ const Array &Scalariser::array(const Expr &expression) {
   return known_[key] = compute(expression);
 }
 
+std::vector<Array> Scalariser::arrays(const std::vector<flat::ExprPtr> &expressions) {
+  std::vector<Array> all;
+  all.reserve(expressions.size());
+  for (const flat::ExprPtr &expression : expressions)
+    all.push_back(array(*expression));
+  return all;
+}
+
 Array Scalariser::compute(const Expr &expression) {
   switch (expression.kind) {
   case ExprKind::Literal: {
@@ -70,10 +78,7 @@ Array Scalariser::compute(const Expr &expression) {
     return result;
   }
   case ExprKind::Concatenate: {
-    std::vector<Array> parts;
-    for (const flat::ExprPtr &arg : expression.args)
-      parts.push_back(array(*arg));
-    return concatenate(parts, expression.axis);
+    return concatenate(arrays(expression.args), expression.axis);
   }
   case ExprKind::Index: {
     const Array whole = array(*expression.args[0]);
@@ -189,10 +194,7 @@ Array Scalariser::call(const Expr &expression) {
   }
   if (expression.function >= Function::Sum && expression.function <= Function::Matrix)
     return arrayCall(expression);
-  std::vector<Array> args;
-  for (const flat::ExprPtr &arg : expression.args)
-    args.push_back(array(*arg));
-  return elementWise(expression, args, [&](std::span<const NodeId> s) { return scalarCall(expression, s); });
+  return elementWise(expression, arrays(expression.args), [&](std::span<const NodeId> s) { return scalarCall(expression, s); });
 }
 
 Array Scalariser::arrayCall(const Expr &expression) {

@@ -40,6 +40,7 @@ private:
   enum class Events : std::uint8_t { Discontinuous, Continuous, None };  // what relations become
 
   const Array &array(const flat::Expr &expression);
+  std::vector<Array> arrays(const std::vector<flat::ExprPtr> &expressions);
   Array compute(const flat::Expr &expression);
   Array variable(const flat::Expr &expression);
   Array unary(const flat::Expr &expression);

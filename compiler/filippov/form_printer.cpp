@@ -106,6 +106,7 @@ std::string FormPrinter::auxiliary(int index) const {
   const Contact &contact = system.contacts[static_cast<std::size_t>(index)];
   const std::string of = system.contacts.size() > 1 ? fmt::format("({})", contact.name) : "";
   std::vector<NodeId> normal;
+  normal.reserve(contact.normal.size());
   for (const NodeId node : contact.normal)
     normal.push_back(graph.mul(node, contact.rate));
   std::string all = components("f_aux,n" + of, normal, {}, false, nullptr);

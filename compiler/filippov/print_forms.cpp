@@ -165,6 +165,7 @@ std::string perContactStewart(const FormPrinter &p) {
     std::vector<std::string> labels;
     for (std::size_t row = 0; row < std::size_t{1} << count; ++row) {
       std::vector<int> signs;
+      signs.reserve(count);
       for (std::size_t k = 0; k < count; ++k)
         signs.push_back((row >> (count - 1 - k)) % 2 == 0 ? 1 : -1);
       const bool isPushing = signs[0] < 0 && signs[1] < 0;

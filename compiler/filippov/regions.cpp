@@ -57,6 +57,7 @@ std::vector<int> activeFields(const FilippovSystem &filippov, const std::vector<
 std::vector<double> coefficients(const FilippovSystem &filippov, const HybridSystem &system,
                                  const std::function<double(std::size_t)> &alpha) {
   std::vector<NodeId> nodes;
+  nodes.reserve(filippov.terms.size());
   for (const Term &term : filippov.terms)
     nodes.push_back(term.coefficient);
   return ir::evaluate(system.graph, nodes, [&](ir::Symbol symbol) {

@@ -142,9 +142,9 @@ private:
     case ExprKind::Call:
       if (expression.function == Function::Smooth)
         return isSmoothCall(expression, element, attribute);
-      if (const char *name = seamOf(expression.function); name != nullptr)
+      if (flat::hasSeams(expression.function))
         if (std::ranges::any_of(expression.args, [&](const flat::ExprPtr &arg) { return dependsOnMotion(*arg); }))
-          return report(expression, name, element, attribute);
+          return report(expression, flat::nameOf(expression.function), element, attribute);
       break;
     default:
       break;
@@ -155,33 +155,6 @@ private:
   bool isSmoothCall(const Expr &expression, const flat::Element &element, const flat::Attribute &attribute) {
     const ir::Node order = d_.system.graph[d_.scalariser.known(*expression.args[0])[0]];
     return (order.op == ir::Op::Constant && order.value >= 2) || isSmooth(*expression.args[1], element, attribute);
-  }
-
-  static const char *seamOf(Function function) {
-    switch (function) {
-    case Function::Abs:
-      return "abs";
-    case Function::Sign:
-      return "sign";
-    case Function::Min:
-      return "min";
-    case Function::Max:
-      return "max";
-    case Function::Div:
-      return "div";
-    case Function::Mod:
-      return "mod";
-    case Function::Rem:
-      return "rem";
-    case Function::Floor:
-      return "floor";
-    case Function::Ceil:
-      return "ceil";
-    case Function::Integer:
-      return "integer";
-    default:
-      return nullptr;
-    }
   }
 
   bool isSmoothVariable(const Expr &expression, const flat::Element &element, const flat::Attribute &attribute) {

@@ -46,6 +46,7 @@ std::vector<InertialRow> inertialRows(const Derivation &derivation) {
 
 std::vector<NodeId> placesOf(const std::vector<InertialRow> &rows) {
   std::vector<NodeId> places;
+  places.reserve(rows.size());
   for (const InertialRow &row : rows)
     places.push_back(row.place);
   return places;
@@ -145,6 +146,7 @@ void deriveEnergies(const Derivation &derivation, const std::vector<InertialRow>
 
 std::vector<NodeId> symbols(ir::Graph &graph, SymbolKind kind, int count) {
   std::vector<NodeId> nodes;
+  nodes.reserve(static_cast<std::size_t>(count));
   for (int k = 0; k < count; ++k)
     nodes.push_back(graph.symbol(kind, k));
   return nodes;
@@ -177,6 +179,7 @@ NodeId kineticEnergyOf(ir::Graph &graph, const BodyEntry &body) {
 NodeId powerOf(ir::Graph &graph, const ForceEntry &force) {
   const std::vector<NodeId> rate = timeDerivative(graph, force.at, AlongMotion::WithoutAcceleration);
   std::vector<NodeId> terms;
+  terms.reserve(rate.size());
   for (std::size_t k = 0; k < rate.size(); ++k)
     terms.push_back(graph.mul(force.value[k], rate[k]));
   return graph.sum(terms);

@@ -235,6 +235,7 @@ NodeId ElementTable::power(flat::ElementId id, int position, Span span) {
   const std::vector<NodeId> value = slice(id, "value", position);
   const std::vector<NodeId> rate = scalariser_.timeDerivative(slice(id, "at", position), span);
   std::vector<NodeId> terms;
+  terms.reserve(value.size());
   for (std::size_t k = 0; k < value.size(); ++k)
     terms.push_back(graph_.mul(value[k], rate[k]));
   return graph_.sum(terms);

@@ -133,27 +133,7 @@ bool dependsOnCoordinates(Context &context, const Expr &expr, std::set<const Com
   return std::ranges::any_of(expr.args, [&](const ExprPtr &arg) { return dependsOnCoordinates(context, *arg, visited); });
 }
 
-bool isSwitching(const Expr &expr) {
-  if (expr.kind == ExprKind::If)
-    return true;
-  if (expr.kind != ExprKind::Call)
-    return false;
-  switch (expr.function) {
-  case Function::Abs:
-  case Function::Sign:
-  case Function::Min:
-  case Function::Max:
-  case Function::Floor:
-  case Function::Ceil:
-  case Function::Integer:
-  case Function::Div:
-  case Function::Mod:
-  case Function::Rem:
-    return true;
-  default:
-    return false;
-  }
-}
+bool isSwitching(const Expr &expr) { return expr.kind == ExprKind::If || (expr.kind == ExprKind::Call && hasSeams(expr.function)); }
 
 bool isDeclaredSmooth(const Expr &expr) {
   return expr.kind == ExprKind::Call && expr.function == Function::Smooth && expr.args[0]->kind == ExprKind::Literal &&

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace tf::flat {
@@ -118,6 +119,11 @@ enum class Function : std::uint8_t {
   Sample,
   String,
 };
+
+// As it is written in a call.
+[[nodiscard]] std::string_view nameOf(Function function);
+// Kinks and jumps: not twice differentiable everywhere.
+[[nodiscard]] bool hasSeams(Function function);
 
 // One dimension's selection: 1-based positions; `scalar` drops the dimension.
 struct Selection {

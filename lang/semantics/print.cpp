@@ -22,19 +22,8 @@ namespace {
 
 constexpr std::array<std::string_view, 18> kPadded = {"",      " + ",  " - ",   "*",   "/",    "^",   " .* ", " ./ ", ".^",
                                                       " and ", " or ", " not ", " < ", " <= ", " > ", " >= ", " == ", " <> "};
-constexpr std::array<std::string_view, 43> kFunctions = {
-    "abs",  "sign",   "sqrt",   "sin",     "cos",       "tan",    "asin",    "acos",     "atan",     "atan2",        "sinh",
-    "cosh", "tanh",   "exp",    "log",     "log10",     "div",    "mod",     "rem",      "floor",    "ceil",         "integer",
-    "min",  "max",    "sum",    "product", "transpose", "cross",  "skew",    "diagonal", "identity", "outerProduct", "symmetric",
-    "fill", "scalar", "vector", "matrix",  "noEvent",   "smooth", "initial", "terminal", "pre",      "edge"};
-constexpr std::array<std::string_view, 3> kMoreFunctions = {"change", "sample", "String"};
 constexpr std::array<std::string_view, 5> kBases = {"Real", "Integer", "Boolean", "String", "enumeration"};
 constexpr std::array<std::string_view, 7> kElements = {"body", "gravity", "force", "potential", "constraint", "contact", "friction"};
-
-std::string_view functionName(Function function) {
-  const auto at = static_cast<std::size_t>(function);
-  return at < kFunctions.size() ? kFunctions[at] : kMoreFunctions[at - kFunctions.size()];
-}
 
 // How tightly an expression binds; larger binds tighter.
 int precedence(const Expr &expr) {
@@ -107,7 +96,7 @@ public:
     case ExprKind::If:
       return fmt::format("if {} then {} else {}", expression(*expr.args[0]), expression(*expr.args[1]), expression(*expr.args[2]));
     case ExprKind::Call:
-      return fmt::format("{}({})", functionName(expr.function), list(expr.args));
+      return fmt::format("{}({})", nameOf(expr.function), list(expr.args));
     case ExprKind::Array:
       return "{" + list(expr.args) + "}";
     case ExprKind::Concatenate:

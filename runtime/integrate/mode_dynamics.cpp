@@ -106,7 +106,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
 }
 
 bool ModeDynamics::solveForces() {
-  at_.mass.solve(at_.force.data(), at_.acceleration.data());
+  at_.mobility.accelerate(at_.force.data(), nullptr, at_.acceleration.data());
   if (rows_.count() == 0)
     return true;
   rows_.bias(at_, at_.acceleration.data(), problem_.bias);
@@ -138,7 +138,7 @@ void ModeDynamics::conditionRates(double *rates) {
 }
 
 void ModeDynamics::response(const double *forceChange, const double *biasChange, const double *limitChange, double *accelerationChange) {
-  at_.mass.solve(forceChange, accelerationChange);
+  at_.mobility.accelerate(forceChange, nullptr, accelerationChange);
   if (rows_.count() == 0)
     return;
   for (int i = 0; i < rows_.count(); ++i)
@@ -290,7 +290,7 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   std::vector<double> jerk(model.nv);
   for (int i = 0; i < model.nv; ++i)
     jerk[i] = -along(at_.residualByState, i);
-  at_.mass.solve(jerk.data(), jerk.data());
+  at_.mobility.accelerate(jerk.data(), nullptr, jerk.data());
   const int normals = rows.normalCount();
   for (int i = 0; i < rows.count(); ++i)
     accelerationRate[i] = rows.product(i, jerk.data()) + (i < normals ? along(at_.normalByState, rows.contacts()[i])

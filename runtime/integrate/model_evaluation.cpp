@@ -11,8 +11,8 @@ std::vector<double> array(int rows, int columns = 1) { return std::vector<double
 }  // namespace
 
 ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inputs)
-    : mass(model.nv), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)), gap(array(model.nc)),
-      gapRate(array(model.nc)), slip(array(model.nt)), condition(array(model.ns)), normal(array(model.nc, model.nv)),
+    : mobility(model.nv, 0), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)),
+      gap(array(model.nc)), gapRate(array(model.nc)), slip(array(model.nt)), condition(array(model.ns)), normal(array(model.nc, model.nv)),
       normalBias(array(model.nc)), tangent(array(model.nt, model.nv)), tangentBias(array(model.nt)), friction(array(model.nc)),
       bound(array(model.nt)), rate(array(model.nc)), restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)),
       stateRateByStep(array(model.nz, model.ns)), input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)),
@@ -43,7 +43,7 @@ bool ModelEvaluation::setParameters(const double *parameters) {
   const std::vector<double> zero(stateSize());
   in_[TF_IN_Q] = in_[TF_IN_V] = in_[TF_IN_Z] = zero.data();
   forces();
-  return mass.factorise(massMatrix.data());
+  return mobility.setMass(massMatrix.data());
 }
 
 void ModelEvaluation::setSegment(double segment) {
@@ -63,7 +63,7 @@ void ModelEvaluation::setPoint(double time, const double *state) {
 
 bool ModelEvaluation::dynamics() {
   forces();
-  return model_->mass_is_constant != 0 || model_->nv == 0 || mass.factorise(massMatrix.data());
+  return model_->mass_is_constant != 0 || model_->nv == 0 || mobility.setMass(massMatrix.data());
 }
 
 void ModelEvaluation::forces() {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "runtime/abi/tf_model.h"
-#include "runtime/integrate/mass_matrix.h"
+#include "runtime/integrate/mobility.h"
 #include "runtime/model/input_signals.h"
 
 #include <cstdint>
@@ -48,7 +48,7 @@ public:
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
   [[nodiscard]] double time() const { return time_; }
 
-  MassMatrix mass;
+  Mobility mobility;
   std::vector<double> massMatrix, force, stateRate;                               // dynamics
   std::vector<double> gap, gapRate, slip, condition;                              // switching
   std::vector<double> normal, normalBias, tangent, tangentBias, friction, bound;  // contactTerms

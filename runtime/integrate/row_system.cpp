@@ -39,7 +39,7 @@ void RowSystem::assemble(const ModelEvaluation &at, DenseMatrix &delassus, Conta
   for (int i = 0; i < m; ++i) {
     const double *source = i < n ? at.normal.data() + contacts_[i] * nv_ : at.tangent.data() + tangents_[i - n] * nv_;
     std::copy_n(source, nv_, jacobian_.data() + i * nv_);
-    at.mass.solve(source, mobility_.data() + i * nv_);
+    at.mobility.apply(source, mobility_.data() + i * nv_);
   }
   for (int i = 0; i < m; ++i)
     for (int j = 0; j <= i; ++j) {

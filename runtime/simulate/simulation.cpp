@@ -23,6 +23,9 @@ namespace {
 // Events without progress of physical time before a run is given up.
 constexpr int mostEventsAtOneTime = 200;
 
+// The sign of a NaN means nothing.
+std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN" : value > 0 ? "infinity" : "-infinity"; }
+
 }  // namespace
 
 class Simulation::Implementation {
@@ -135,8 +138,8 @@ tf_status Simulation::Implementation::checkStart() {
     const tf_contact &contact = model_.contacts[i];
     const double tolerance = 1e-9 * std::max(1.0, contact.nominal);
     if (!std::isfinite(at_.gap[i]))
-      return fail(
-          fmt::format("'{}.gap' is {} at the start ({}:{})", contact.name, at_.gap[i], contact.location.file, contact.location.line));
+      return fail(fmt::format("'{}.gap' is {} at the start ({}:{})", contact.name, nameOfNonFinite(at_.gap[i]), contact.location.file,
+                              contact.location.line));
     if (at_.gap[i] < -tolerance)
       return fail(fmt::format("contact '{}' starts with a penetration of {:.6g} ({}:{})", contact.name, -at_.gap[i], contact.location.file,
                               contact.location.line));
@@ -170,10 +173,10 @@ std::string Simulation::Implementation::describeNonFinite() {
   };
   for (int i = 0; i < model_.nz; ++i)
     if (!std::isfinite(at_.stateRate[i]))
-      return fmt::format("{} in {}", at_.stateRate[i], place(TF_KIND_STATE_DERIVATIVE, i));
+      return fmt::format("{} in {}", nameOfNonFinite(at_.stateRate[i]), place(TF_KIND_STATE_DERIVATIVE, i));
   for (int i = 0; i < model_.nv; ++i)
     if (!std::isfinite(at_.force[i]) || !std::isfinite(at_.massMatrix[i * model_.nv + i]))
-      return fmt::format("{} in {}", std::isfinite(at_.force[i]) ? at_.massMatrix[i * model_.nv + i] : at_.force[i],
+      return fmt::format("{} in {}", nameOfNonFinite(std::isfinite(at_.force[i]) ? at_.massMatrix[i * model_.nv + i] : at_.force[i]),
                          place(TF_KIND_ACCELERATION, i));
   return "a value that is not finite";
 }
@@ -182,7 +185,7 @@ tf_status Simulation::Implementation::failEvaluation() {
   const double time = at_.time();
   switch (dynamics_.failure()) {
   case EvaluationFailure::SingularMass: {
-    const int row = std::max(at_.mass.failedRow(), 0);
+    const int row = std::max(at_.mobility.mass().failedRow(), 0);
     return fail(fmt::format("the mass matrix is singular at t = {:.10g}: no inertia acts on '{}'", time,
                             instance_.nameOf(TF_KIND_COORDINATE, row)));
   }
@@ -275,10 +278,10 @@ tf_status Simulation::Implementation::initialise(double startTime) {
                               i < model_.nq               ? instance_.nameOf(TF_KIND_COORDINATE, i)
                               : i < model_.nq + model_.nv ? instance_.nameOf(TF_KIND_VELOCITY, i - model_.nq)
                                                           : instance_.nameOf(TF_KIND_STATE, i - model_.nq - model_.nv),
-                              state_[i]));
+                              nameOfNonFinite(state_[i])));
   if (!at_.setParameters(parameters_.data()))
     return fail(fmt::format("the mass matrix is singular: no inertia acts on '{}'",
-                            instance_.nameOf(TF_KIND_COORDINATE, std::max(at_.mass.failedRow(), 0))));
+                            instance_.nameOf(TF_KIND_COORDINATE, std::max(at_.mobility.mass().failedRow(), 0))));
   enterSegment();
   if (const tf_status status = checkSupported(); status != TF_OK)
     return status;

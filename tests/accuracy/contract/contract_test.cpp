@@ -38,7 +38,7 @@ std::vector<Case> allCases() {
   const json file = json::parse(readFile(kFolder / "cases.json"));
   for (const json &data : file["cases"]) {
     for (const bool isCompiled : {false, true}) {
-      for (const char *integrator : {"step", "cvode", "auto"})
+      for (const char *integrator : {"step", "explicit", "cvode", "auto"})
         cases.push_back({data, isCompiled, integrator});
     }
   }

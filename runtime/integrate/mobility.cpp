@@ -1,0 +1,107 @@
+#include "runtime/integrate/mobility.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// A row whose part that is independent of the others is below this share of its length counts as redundant. Rows that depend on each other
+// differ by the drift of the positions, which projection holds at round-off.
+constexpr double independence = 1e-6;
+
+}  // namespace
+
+Mobility::Mobility(int velocities, int constraints)
+    : nv_(velocities), nh_(constraints), mass_(velocities), jacobian_(velocities, constraints), response_(velocities, constraints),
+      inertia_(constraints, constraints), scale_(constraints), factor_(constraints), decomposition_(constraints, constraints),
+      redundant_(static_cast<std::size_t>(constraints)), work_(constraints), solution_(constraints) {
+  decomposition_.setThreshold(independence * independence);
+}
+
+bool Mobility::setMass(const double *mass) { return mass_.factorise(mass); }
+
+bool Mobility::setConstraints(const double *jacobian) {
+  for (int k = 0; k < nh_; ++k) {
+    const Eigen::Map<const Eigen::VectorXd> row(jacobian + static_cast<std::ptrdiff_t>(k) * nv_, nv_);
+    if (!row.allFinite())
+      return false;
+    mass_.solve(row.data(), response_.col(k).data());
+    const double length = std::sqrt(row.dot(response_.col(k)));
+    // A row that vanishes, as at a singular position, has no force.
+    scale_[k] = length > 0 ? 1 / length : 0;
+    jacobian_.col(k) = scale_[k] * row;
+    response_.col(k) *= scale_[k];
+  }
+  factorise();
+  return true;
+}
+
+void Mobility::factorise() {
+  inertia_.noalias() = jacobian_.transpose() * response_;
+  std::fill(redundant_.begin(), redundant_.end(), static_cast<unsigned char>(0));
+  rank_ = nh_;
+  factor_.compute(inertia_);
+  // The pivots of the Cholesky factor are the independent parts of the rows, in their order.
+  for (int k = 0; k < nh_; ++k)
+    if (factor_.info() != Eigen::Success || !(factor_.matrixLLT()(k, k) > independence))
+      rank_ = 0;
+  if (rank_ == nh_)
+    return;
+  decomposition_.compute(inertia_);
+  rank_ = static_cast<int>(decomposition_.rank());
+  // Which rows add nothing to those before them.
+  Eigen::MatrixXd rest = inertia_;
+  for (int k = 0; k < nh_; ++k) {
+    if (!(rest(k, k) > independence * independence)) {
+      redundant_[static_cast<std::size_t>(k)] = 1;
+      continue;
+    }
+    const Eigen::VectorXd column = rest.col(k) / std::sqrt(rest(k, k));
+    rest.noalias() -= column * column.transpose();
+  }
+}
+
+void Mobility::solve(Eigen::VectorXd &residual) const {
+  if (rank_ == nh_) {
+    factor_.solveInPlace(residual);
+    return;
+  }
+  solution_ = decomposition_.solve(residual);
+  residual = solution_;
+}
+
+// x += M⁻¹ Hᵀ ν for ν in work_.
+void Mobility::react(double *x) const { Eigen::Map<Eigen::VectorXd>(x, nv_).noalias() += response_ * work_; }
+
+void Mobility::apply(const double *b, double *x) const { accelerate(b, nullptr, x); }
+
+void Mobility::accelerate(const double *force, const double *bias, double *acceleration) const {
+  mass_.solve(force, acceleration);
+  if (nh_ == 0)
+    return;
+  work_.noalias() = -jacobian_.transpose() * Eigen::Map<const Eigen::VectorXd>(acceleration, nv_);
+  for (int k = 0; bias != nullptr && k < nh_; ++k)
+    work_[k] -= scale_[k] * bias[k];
+  solve(work_);
+  react(acceleration);
+}
+
+void Mobility::multipliers(const double *force, const double *bias, double *multipliers) const {
+  work_.noalias() = -response_.transpose() * Eigen::Map<const Eigen::VectorXd>(force, nv_);
+  for (int k = 0; k < nh_; ++k)
+    work_[k] -= scale_[k] * bias[k];
+  solve(work_);
+  for (int k = 0; k < nh_; ++k)
+    multipliers[k] = scale_[k] * work_[k];
+}
+
+void Mobility::correct(const double *residual, double *x) const {
+  for (int k = 0; k < nh_; ++k)
+    work_[k] = scale_[k] * residual[k];
+  solve(work_);
+  react(x);
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,57 @@
+// How accelerations follow from forces under the bilateral constraints (theory.md section 1):
+//     M a = f + Hᵀ ν,   H a + bias = 0,      W = M⁻¹ − M⁻¹Hᵀ (H M⁻¹ Hᵀ)⁺ H M⁻¹
+// Without constraints W = M⁻¹. Redundant constraints leave a and W unique; their multipliers are the least-norm ones.
+#pragma once
+
+#include "runtime/integrate/mass_matrix.h"
+
+#include <Eigen/Dense>
+
+#include <vector>
+
+namespace tf::runtime {
+
+class Mobility {
+public:
+  // nv velocities, nh constraint rows
+  Mobility(int velocities, int constraints);
+
+  // M [nv × nv, row-major, symmetric]. False if it is not positive definite (or not finite).
+  bool setMass(const double *mass);
+  // H [nh × nv, row-major] at the point of the mass matrix, after setMass. False if it is not finite.
+  bool setConstraints(const double *jacobian);
+
+  // x = W b; x and b may be the same.
+  void apply(const double *b, double *x) const;
+  // a for the force f; `bias` [nh] may be null (zero). f and a may be the same.
+  void accelerate(const double *force, const double *bias, double *acceleration) const;
+  // ν for the total force f, contact forces included.
+  void multipliers(const double *force, const double *bias, double *multipliers) const;
+  // x += M⁻¹Hᵀ (H M⁻¹ Hᵀ)⁺ r: the smallest change in the metric of M that changes H x by r.
+  void correct(const double *residual, double *x) const;
+
+  [[nodiscard]] const MassMatrix &mass() const { return mass_; }
+  // Number of independent constraint rows.
+  [[nodiscard]] int rank() const { return rank_; }
+  // Row k follows from the others.
+  [[nodiscard]] bool isRedundant(int row) const { return redundant_[static_cast<std::size_t>(row)] != 0; }
+
+private:
+  void factorise();
+  // ν = (H M⁻¹ Hᵀ)⁺ r in place
+  void solve(Eigen::VectorXd &residual) const;
+  void react(double *x) const;
+
+  int nv_, nh_, rank_ = 0;
+  MassMatrix mass_;
+  Eigen::MatrixXd jacobian_;  // nv × nh: Hᵀ with its columns scaled to unit length in the metric of M⁻¹
+  Eigen::MatrixXd response_;  // nv × nh: M⁻¹ Hᵀ, scaled likewise
+  Eigen::MatrixXd inertia_;   // nh × nh: H M⁻¹ Hᵀ, scaled; unit diagonal
+  Eigen::VectorXd scale_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
+  std::vector<unsigned char> redundant_;
+  mutable Eigen::VectorXd work_, solution_;
+};
+
+}  // namespace tf::runtime
