@@ -127,6 +127,8 @@ std::string emitHeader(const HybridSystem &system) {
                                                            {"contacts", system.contacts.size()},
                                                            {"tangents", system.tangents.size()},
                                                            {"frictions", system.frictions.size()},
+                                                           {"constraints", system.constraints.size()},
+                                                           {"multipliers", system.constraintRows.size()},
                                                            {"switches", system.switches.size()},
                                                            {"outputs", system.outputs.size()},
                                                            {"variables", system.quantities.size()}};
@@ -144,11 +146,13 @@ std::string emitHeader(const HybridSystem &system) {
       if (isArgument(quantity.kind))
         writer.constant(groupOf(quantity.kind), quantity.name, quantity.index, "");
   });
-  writer.enumeration("Contacts, friction elements and switches.", [&] {
+  writer.enumeration("Contacts, friction elements, constraints and switches.", [&] {
     for (std::size_t k = 0; k < system.contacts.size(); ++k)
       writer.constant("contact_", system.contacts[k].name, static_cast<int>(k), "");
     for (std::size_t k = 0; k < system.frictions.size(); ++k)
       writer.constant("friction_", system.frictions[k].name, static_cast<int>(k), "");
+    for (std::size_t k = 0; k < system.constraints.size(); ++k)
+      writer.constant("constraint_", system.constraints[k].name, static_cast<int>(k), "");
     for (std::size_t k = 0; k < system.switches.size(); ++k)
       writer.constant("switch_", std::to_string(k + 1), static_cast<int>(k), system.switches[k].text);
   });

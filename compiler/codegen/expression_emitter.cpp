@@ -42,6 +42,8 @@ Argument argumentOf(ir::SymbolKind kind) {
     return {TF_IN_NORMAL, "normal"};
   case ir::SymbolKind::TangentForce:
     return {TF_IN_TANGENT, "tangent"};
+  case ir::SymbolKind::Multiplier:
+    return {TF_IN_MULTIPLIER, "multiplier"};
   case ir::SymbolKind::StateDerivative:
     return {TF_IN_ZDOT, "zdot"};
   case ir::SymbolKind::Unknown:
@@ -51,8 +53,8 @@ Argument argumentOf(ir::SymbolKind kind) {
   return {0, ""};
 }
 
-const char *const arrayNames[TF_IN_COUNT] = {"time.in",  "q.in", "v.in",      "z.in",       "u.in",   "p.in",
-                                             "alpha.in", "a.in", "normal.in", "tangent.in", "zdot.in"};
+const char *const arrayNames[TF_IN_COUNT] = {"time.in",  "q.in", "v.in",      "z.in",       "u.in",    "p.in",
+                                             "alpha.in", "a.in", "normal.in", "tangent.in", "zdot.in", "multiplier.in"};
 
 llvm::FunctionCallee mathFunction(llvm::Module &module, std::string_view name, std::size_t argumentCount) {
   llvm::Type *number = llvm::Type::getDoubleTy(module.getContext());

@@ -100,6 +100,22 @@ llvm::Constant *frictions(const HybridSystem &system, TableBuilder &build) {
   return build.table(rows, "frictions");
 }
 
+llvm::Constant *constraints(const HybridSystem &system, TableBuilder &build) {
+  Constants rows;
+  for (const Constraint &constraint : system.constraints)
+    rows.push_back(build.structure({build.text(constraint.name), build.integer(constraint.rowFirst), build.integer(constraint.rowCount),
+                                    build.integer(constraint.isHolonomic ? 1 : 0), build.number(constraint.nominal),
+                                    build.location(constraint.span)}));
+  return build.table(rows, "constraints");
+}
+
+llvm::Constant *quaternions(const HybridSystem &system, TableBuilder &build) {
+  Constants rows;
+  for (const equations::RotationCoordinate &rotation : system.motion.rotations())
+    rows.push_back(build.integer(rotation.coordinate));
+  return build.table(rows, "quaternions");
+}
+
 llvm::Constant *switches(const HybridSystem &system, TableBuilder &build) {
   Constants rows;
   for (const SwitchingFunction &entry : system.switches)
@@ -135,10 +151,11 @@ void emitModelTable(const HybridSystem &system, const SourceManager &sources, co
   for (const int count : {system.nq, system.nv, system.nz, system.nu, system.np})
     fields.push_back(build.integer(count));
   for (const std::size_t count : {system.contacts.size(), system.tangents.size(), system.switches.size(), system.outputs.size(),
-                                  system.frictions.size(), system.quantities.size(), system.aliases.size()})
+                                  system.frictions.size(), system.motion.rotations().size(), system.constraints.size(),
+                                  system.constraintRows.size(), system.quantities.size(), system.aliases.size()})
     fields.push_back(build.size(count));
   for (llvm::Constant *table : {variables(system, build), aliases(system, build), contacts(system, build), frictions(system, build),
-                                switches(system, build), parameters(system, build)})
+                                switches(system, build), constraints(system, build), quaternions(system, build), parameters(system, build)})
     fields.push_back(table);
   fields.push_back(build.integer(bindingDepth(system)));
   fields.push_back(build.integer(massIsConstant(system) ? 1 : 0));

@@ -39,6 +39,8 @@ VariableTable::VariableTable(const flat::FlatModel &model) : model_(&model) {
     const Role role = roleOf(variable);
     auto &list = scalars_[static_cast<std::size_t>(role)];
     places_.push_back({role, static_cast<int>(list.size())});
+    if (role == Role::Coordinate)
+      motion_.addCoordinates(variable.type.size());
     for (int k = 0; k < variable.type.size(); ++k)
       list.push_back({static_cast<flat::VariableId>(id), k});
   }

@@ -1,6 +1,7 @@
 // The scalars of a flat model: which symbols of the expression graph its variables become.
 #pragma once
 
+#include "compiler/equations/motion.h"
 #include "compiler/ir/graph.h"
 #include "lang/semantics/flat_model.h"
 
@@ -39,6 +40,7 @@ public:
   [[nodiscard]] const flat::FlatModel &model() const { return *model_; }
   [[nodiscard]] Place place(flat::VariableId variable) const { return places_[static_cast<std::size_t>(variable)]; }
   [[nodiscard]] const std::vector<ScalarVariable> &scalars(Role role) const { return scalars_[static_cast<std::size_t>(role)]; }
+  [[nodiscard]] const Motion &motion() const { return motion_; }
   [[nodiscard]] int count(Role role) const { return static_cast<int>(scalars(role).size()); }
   [[nodiscard]] const flat::Variable &variable(ScalarVariable scalar) const;
   [[nodiscard]] std::string name(ScalarVariable scalar) const;
@@ -46,6 +48,7 @@ public:
 private:
   const flat::FlatModel *model_;
   std::vector<Place> places_;
+  Motion motion_;  // of the scalars of role Coordinate
   std::vector<ScalarVariable> scalars_[6];
 };
 

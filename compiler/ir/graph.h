@@ -30,6 +30,7 @@ enum class SymbolKind : std::uint8_t {
   Acceleration,
   NormalForce,
   TangentForce,
+  Multiplier,
   StateDerivative,
   Unknown,  // a variable that an equation is yet to be solved for; occurs in no HybridSystem
 };

@@ -77,7 +77,9 @@ int switchKind(equations::SwitchKind kind) {
 // What the solved equations say, into the system; elements' nodes in terms of its symbols.
 void takeOver(mechanics::Derivation &d) {
   HybridSystem &system = d.system;
-  system.nq = system.nv = d.variables.count(Role::Coordinate);
+  system.motion = d.variables.motion();
+  system.nq = system.motion.coordinates();
+  system.nv = system.motion.velocities();
   system.nz = static_cast<int>(d.equations.states().size());
   system.nu = d.variables.count(Role::Input);
   system.np = d.variables.count(Role::Parameter);

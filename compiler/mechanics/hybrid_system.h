@@ -1,10 +1,11 @@
 // HybridSystem: the controlled complementarity Lagrangian system (theory.md section 1) in terms of the expression graph.
 //
 // Contract. Expressions refer to the symbols Time, Coordinate i, Velocity i, State i, Input i, Parameter i and StepVariable j; outputs and
-// the residual also to Acceleration, NormalForce, TangentForce and StateDerivative. Conditions of switches do not depend on their own step
-// variable. Everything that is a function of coordinates, time and parameters is twice differentiable. `verify` checks it.
+// the residual also to Acceleration, NormalForce, TangentForce, Multiplier and StateDerivative. Conditions of switches do not depend on
+// their own step variable. Everything that is a function of coordinates, time and parameters is twice differentiable. `verify` checks it.
 #pragma once
 
+#include "compiler/equations/motion.h"
 #include "compiler/ir/function.h"
 #include "compiler/ir/graph.h"
 #include "lang/base/diagnostics.h"
@@ -56,6 +57,19 @@ struct FrictionElement {
   ir::NodeId bound = -1;
 };
 
+struct ConstraintRow {
+  ir::NodeId residual = -1, rate = -1, bias = -1;  // rate' = jacobian · v' + bias; rate = residual where it is not holonomic
+  std::vector<ir::NodeId> jacobian;                // [nv]
+};
+
+struct Constraint {
+  std::string name;
+  Span span;
+  int rowFirst = 0, rowCount = 0;
+  bool isHolonomic = true;
+  double nominal = 1;
+};
+
 struct SwitchingFunction {
   std::string text;  // the condition as written
   Span span;
@@ -68,6 +82,7 @@ struct HybridSystem {
   std::string name, description;
   ir::Graph graph;
   int nq = 0, nv = 0, nz = 0, nu = 0, np = 0;
+  equations::Motion motion;  // of nq coordinates with nv velocities
 
   std::vector<Quantity> quantities;  // result columns, then parameters
   std::vector<Alias> aliases;
@@ -76,13 +91,16 @@ struct HybridSystem {
   std::vector<ir::NodeId> parameterBindings;  // [np], −1 where free
   std::vector<ir::NodeId> coordinateStarts, velocityStarts, stateStarts, inputStarts;
 
-  std::vector<ir::NodeId> mass;      // [nv × nv]
-  std::vector<ir::NodeId> force;     // [nv]
-  std::vector<ir::NodeId> residual;  // [nv] M v' − f − Jnᵀ λn − Jtᵀ λt in terms of the symbols Acceleration, NormalForce, TangentForce
+  std::vector<ir::NodeId> mass;              // [nv × nv]
+  std::vector<ir::NodeId> force;             // [nv]
+  std::vector<ir::NodeId> residual;          // [nv] M v' − f − Jnᵀ λn − Jtᵀ λt − Hᵀ ν in terms of the symbols Acceleration, NormalForce,
+                                             // TangentForce, Multiplier
   std::vector<ir::NodeId> stateDerivatives;  // [nz]
   std::vector<Contact> contacts;
   std::vector<FrictionElement> frictions;
   std::vector<TangentRow> tangents;
+  std::vector<Constraint> constraints;
+  std::vector<ConstraintRow> constraintRows;
   std::vector<SwitchingFunction> switches;
   std::vector<ir::NodeId> outputs;  // of quantities of kind TF_KIND_OUTPUT
   ir::NodeId kineticEnergy = -1, potentialEnergy = -1, power = -1;

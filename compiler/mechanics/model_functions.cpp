@@ -63,10 +63,13 @@ public:
 
   ir::Function bindings();
   ir::Function starts();
+  ir::Function kinematics();
+  ir::Function kinematicsDerivatives();
   ir::Function dynamics();
   ir::Function switching();
   ir::Function contactTerms();
   ir::Function contactParameters();
+  ir::Function constraintTerms();
   ir::Function switchGradients();
   ir::Function stepDerivatives();
   ir::Function dynamicsDerivatives();
@@ -82,6 +85,14 @@ private:
     for (const FrictionElement &friction : system_.frictions)
       std::fill_n(nodes.begin() + friction.tangentFirst, friction.tangentCount, friction.bound);
     return nodes;
+  }
+
+  // N v.
+  std::vector<NodeId> coordinateRates() {
+    std::vector<NodeId> rates;
+    for (int k = 0; k < system_.nq; ++k)
+      rates.push_back(system_.motion.rate(graph_, k));
+    return rates;
   }
 
   // J a + bias.
@@ -123,6 +134,24 @@ ir::Function ModelFunctions::starts() {
   builder.buffer(system_.velocityStarts);
   builder.buffer(system_.stateStarts);
   builder.buffer(system_.inputStarts);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::kinematics() {
+  if (system_.motion.rotations().empty())
+    return {};
+  FunctionBuilder builder("kinematics");
+  builder.buffer(coordinateRates());
+  return builder.take();
+}
+
+ir::Function ModelFunctions::kinematicsDerivatives() {
+  if (system_.motion.rotations().empty())
+    return {};
+  const std::vector<NodeId> rates = coordinateRates();
+  FunctionBuilder builder("kinematics_derivatives");
+  builder.buffer(ir::jacobian(graph_, rates, mechanics::symbols(graph_, SymbolKind::Velocity, system_.nv)));
+  builder.buffer(ir::jacobian(graph_, rates, mechanics::symbols(graph_, SymbolKind::Coordinate, system_.nq)));
   return builder.take();
 }
 
@@ -185,6 +214,24 @@ ir::Function ModelFunctions::contactParameters() {
   return builder.take();
 }
 
+ir::Function ModelFunctions::constraintTerms() {
+  if (system_.constraintRows.empty())
+    return {};
+  std::vector<NodeId> residuals, rates, jacobian, biases;
+  for (const ConstraintRow &row : system_.constraintRows) {
+    residuals.push_back(row.residual);
+    rates.push_back(row.rate);
+    jacobian.insert(jacobian.end(), row.jacobian.begin(), row.jacobian.end());
+    biases.push_back(row.bias);
+  }
+  FunctionBuilder builder("constraint_terms", 2);
+  builder.buffer(residuals, 0);
+  builder.buffer(rates, 0);
+  builder.buffer(jacobian, 1);
+  builder.buffer(biases, 1);
+  return builder.take();
+}
+
 ir::Function ModelFunctions::switchGradients() {
   std::vector<NodeId> conditions;
   for (const SwitchingFunction &switching : system_.switches)
@@ -204,13 +251,15 @@ ir::Function ModelFunctions::stepDerivatives() {
 
 // Output 0 holds the terms of all contacts' forces: those of unselected contacts are passed as 0.
 ir::Function ModelFunctions::dynamicsDerivatives() {
-  std::vector<NodeId> normal, friction, tangent;
+  std::vector<NodeId> normal, friction, tangent, constraint;
   for (const Contact &contact : system_.contacts) {
     normal.push_back(acceleration(contact.normal, contact.bias));
     friction.push_back(contact.friction);
   }
   for (const TangentRow &row : system_.tangents)
     tangent.push_back(acceleration(row.jacobian, row.bias));
+  for (const ConstraintRow &row : system_.constraintRows)
+    constraint.push_back(acceleration(row.jacobian, row.bias));
   const auto always = [](std::size_t) { return -1; };
   const auto ofContact = [](std::size_t row) { return static_cast<int>(row); };
   const auto ofRow = [&](std::size_t row) { return rowGroup_[row]; };
@@ -221,6 +270,7 @@ ir::Function ModelFunctions::dynamicsDerivatives() {
   jacobianBuffer(builder, tangent, ofRow);
   jacobianBuffer(builder, friction, ofContact);
   jacobianBuffer(builder, bounds(), ofRow);
+  jacobianBuffer(builder, constraint, always);
   return builder.take();
 }
 
@@ -245,11 +295,13 @@ std::vector<ir::Function> modelFunctions(HybridSystem &system) {
   std::vector<ir::Function> all;
   all.push_back(functions.bindings());
   all.push_back(functions.starts());
-  all.emplace_back();  // kinematics: nq = nv and q' = v
+  all.push_back(functions.kinematics());
+  all.push_back(functions.kinematicsDerivatives());
   all.push_back(functions.dynamics());
   all.push_back(functions.switching());
   all.push_back(functions.contactTerms());
   all.push_back(functions.contactParameters());
+  all.push_back(functions.constraintTerms());
   all.push_back(functions.switchGradients());
   all.push_back(functions.stepDerivatives());
   all.push_back(functions.dynamicsDerivatives());

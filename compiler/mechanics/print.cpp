@@ -38,6 +38,8 @@ int kindOf(SymbolKind kind) {
     return TF_KIND_NORMAL_FORCE;
   case SymbolKind::TangentForce:
     return TF_KIND_TANGENT_FORCE;
+  case SymbolKind::Multiplier:
+    return TF_KIND_MULTIPLIER;
   case SymbolKind::StateDerivative:
     return TF_KIND_STATE_DERIVATIVE;
   case SymbolKind::Unknown:

@@ -33,6 +33,8 @@ public:
     size("state starts", s_.stateStarts, s_.nz);
     size("input starts", s_.inputStarts, s_.nu);
     size("parameter bindings", s_.parameterBindings, s_.np);
+    if (s_.motion.coordinates() != s_.nq || s_.motion.velocities() != s_.nv)
+      fail(fmt::format("motion: {} coordinates and {} velocities", s_.motion.coordinates(), s_.motion.velocities()));
     if (!error_.empty())
       return error_;
     nodes("mass", s_.mass, Scope::Motion);
@@ -47,6 +49,7 @@ public:
       if (binding >= 0)
         nodes("parameter bindings", {binding}, Scope::Parameters);
     contacts();
+    constraints();
     switches();
     quantities();
     return error_;
@@ -87,6 +90,8 @@ private:
       return isResult ? static_cast<int>(s_.contacts.size()) : 0;
     case SymbolKind::TangentForce:
       return isResult ? static_cast<int>(s_.tangents.size()) : 0;
+    case SymbolKind::Multiplier:
+      return isResult ? static_cast<int>(s_.constraintRows.size()) : 0;
     case SymbolKind::StateDerivative:
       return isResult ? s_.nz : 0;
     case SymbolKind::Unknown:
@@ -124,6 +129,22 @@ private:
       size("tangent", row.jacobian, s_.nv);
       nodes("tangent", row.jacobian, Scope::Motion);
       nodes("slip", {row.slip, row.bias}, Scope::Motion);
+    }
+  }
+
+  void constraints() {
+    int rows = 0;
+    for (const Constraint &constraint : s_.constraints) {
+      if (constraint.rowFirst != rows)
+        fail(fmt::format("{}: constraint rows out of order", constraint.name));
+      rows += constraint.rowCount;
+    }
+    if (rows != static_cast<int>(s_.constraintRows.size()))
+      fail(fmt::format("{} constraint rows instead of {}", s_.constraintRows.size(), rows));
+    for (const ConstraintRow &row : s_.constraintRows) {
+      size("constraint", row.jacobian, s_.nv);
+      nodes("constraint", row.jacobian, Scope::Motion);
+      nodes("constraint", {row.residual, row.rate, row.bias}, Scope::Motion);
     }
   }
 

@@ -1,9 +1,11 @@
 /* What a compiled TF model is: a shared library that exports one constant `tf_model` under the name TF_MODEL_SYMBOL.
  *
  * The model is the controlled complementarity Lagrangian system (CLS)
- *     q' = N(q) v,   M(q, t) v' = f(t, q, v, z, u, p, alpha) + Jn^T ln + Jt^T lt,   z' = g(t, q, v, z, u, p, alpha)
+ *     q' = N(q) v,   M(q, t) v' = f(t, q, v, z, u, p, alpha) + Jn^T ln + Jt^T lt + H^T nu,   z' = g(t, q, v, z, u, p, alpha)
  * with nc unilateral contacts (normal forces ln >= 0), nt tangential rows (of contacts with slip, then of friction elements;
- * forces lt) and ns switching functions c_j(t, q, v, z, u) with step variables alpha_j in [0, 1] (1 where c_j > 0).
+ * forces lt), nh constraint rows (multipliers nu) and ns switching functions c_j(t, q, v, z, u) with step variables alpha_j in [0, 1]
+ * (1 where c_j > 0). Rotations have four coordinates, a unit quaternion (w, x, y, z) that takes vectors of the body's frame to the world's,
+ * and three velocities, the angular velocity in the body's frame; elsewhere N is the identity: nv = nq - nr.
  *
  * Generated functions are pure: no allocation, no input or output, no globals. All have the signature tf_function:
  * `in[k]` points to the array of TF_IN k, `out[k]` to the array that the function's comment lists as number k. Matrices are row-major.
@@ -20,24 +22,25 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 1u
+#define TF_ABI_VERSION 2u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
 /* Argument arrays and their lengths. */
 enum tf_in {
-  TF_IN_TIME = 0,    /* 1: physical time */
-  TF_IN_Q = 1,       /* nq: coordinates */
-  TF_IN_V = 2,       /* nv: velocities */
-  TF_IN_Z = 3,       /* nz: continuous states */
-  TF_IN_U = 4,       /* nu: inputs */
-  TF_IN_P = 5,       /* np: parameters */
-  TF_IN_ALPHA = 6,   /* ns: step variables */
-  TF_IN_A = 7,       /* nv: accelerations v' */
-  TF_IN_NORMAL = 8,  /* nc: normal forces */
-  TF_IN_TANGENT = 9, /* nt: tangential forces */
-  TF_IN_ZDOT = 10,   /* nz: z' */
-  TF_IN_COUNT = 11
+  TF_IN_TIME = 0,        /* 1: physical time */
+  TF_IN_Q = 1,           /* nq: coordinates */
+  TF_IN_V = 2,           /* nv: velocities */
+  TF_IN_Z = 3,           /* nz: continuous states */
+  TF_IN_U = 4,           /* nu: inputs */
+  TF_IN_P = 5,           /* np: parameters */
+  TF_IN_ALPHA = 6,       /* ns: step variables */
+  TF_IN_A = 7,           /* nv: accelerations v' */
+  TF_IN_NORMAL = 8,      /* nc: normal forces */
+  TF_IN_TANGENT = 9,     /* nt: tangential forces */
+  TF_IN_ZDOT = 10,       /* nz: z' */
+  TF_IN_MULTIPLIER = 11, /* nh: multipliers of constraint rows */
+  TF_IN_COUNT = 12
 };
 
 typedef void (*tf_function)(const double *const *in, double *const *out, const uint8_t *mask);
@@ -70,7 +73,13 @@ enum tf_kind {
   TF_KIND_SLIP_STEP = 21,      /* tangential row: alpha_3 */
   TF_KIND_PUSH = 22,           /* contact index: (1 - alpha_1)(1 - alpha_2), the weight of its auxiliary fields */
   TF_KIND_THETA_BACKWARD = 23, /* tangential row: push alpha_3, of the field with friction against positive slip */
-  TF_KIND_THETA_FORWARD = 24   /* tangential row: push (1 - alpha_3) */
+  TF_KIND_THETA_FORWARD = 24,  /* tangential row: push (1 - alpha_3) */
+  TF_KIND_MULTIPLIER = 25,     /* constraint row: the force along its increasing residual */
+  TF_KIND_KINETIC_ENERGY = 26,
+  TF_KIND_POTENTIAL_ENERGY = 27,
+  TF_KIND_FRICTION_LOSS = 28, /* dissipated by friction while time runs */
+  TF_KIND_IMPACT_LOSS = 29,   /* lost in impacts */
+  TF_KIND_WORK = 30           /* of inputs, applied forces, moving boundaries and time-dependent constraints */
 };
 
 enum tf_variable_flags {
@@ -124,6 +133,14 @@ typedef struct tf_friction { /* a friction element: tangential rows with a bound
   tf_location location;
 } tf_friction;
 
+typedef struct tf_constraint {
+  const char *name;
+  int32_t row_first, row_count;
+  int32_t holonomic; /* 1: g(q, t) = 0; 0: A(q, t) v + b(q, t) = 0 */
+  double nominal;    /* scale of the residual */
+  tf_location location;
+} tf_constraint;
+
 enum tf_switch_kind {
   TF_SWITCH_SLIDING = 0,    /* discontinuous across c = 0: a sliding mode is possible */
   TF_SWITCH_CONTINUOUS = 1, /* abs, min, max: located, no sliding */
@@ -144,12 +161,15 @@ typedef struct tf_model {
   const char *hash;      /* of everything that the code was made from */
 
   int32_t nq, nv, nz, nu, np, nc, nt, ns, no, nf; /* nf: friction elements */
+  int32_t nr, nk, nh;                             /* rotations, constraint elements, constraint rows */
   int32_t variable_count, alias_count;
   const tf_variable *variables; /* in the order of the result columns; the first two are time and tau */
   const tf_alias *aliases;
   const tf_contact *contacts;                        /* nc */
   const tf_friction *frictions;                      /* nf */
   const tf_switch *switches;                         /* ns */
+  const tf_constraint *constraints;                  /* nk; rows in order, without gaps */
+  const int32_t *quaternions;                        /* nr: the first coordinate of each unit quaternion */
   const double *parameters;                          /* np: the values of unbound parameters (0 for bound ones) */
   int32_t binding_depth;                             /* bindings must be evaluated this often for all bound parameters to be right */
   int32_t mass_is_constant;                          /* M depends on parameters only */
@@ -161,8 +181,10 @@ typedef struct tf_model {
   tf_function starts;
   /* in: TIME, Q, V. out: 0 q' = N(q) v [nq]. Null where nq = nv and q' = v. */
   tf_function kinematics;
-  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 M [nv x nv] symmetric, both halves; 1 f [nv], all forces but those of contacts and frictions,
-     less the bias terms of M v'; 2 z' [nz]. */
+  /* in: TIME, Q, V. out: 0 N [nq x nv], 1 d(N v)/dq [nq x nq]. Null where `kinematics` is. */
+  tf_function kinematics_derivatives;
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 M [nv x nv] symmetric, both halves; 1 f [nv], all forces but those of contacts, frictions and
+     constraints, less the bias terms of M v'; 2 z' [nz]. */
   tf_function dynamics;
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 gap [nc], 1 its rate [nc] = Jn v + d gap/dt, 2 slip [nt], 3 c [ns]. Masked by blocks:
      mask[0] gaps and rates, mask[1] slips, mask[2] c. */
@@ -173,19 +195,25 @@ typedef struct tf_model {
   tf_function contact_terms;
   /* in: P. out: 0 rate a_n [nc], 1 restitution [nc]. */
   tf_function contact_parameters;
+  /* in: TIME, Q, V, P. out: 0 residual [nh]: g(q, t) of holonomic rows, A v + b of the others; 1 rate [nh]: dg/dt, and A v + b again; 2 H
+     [nh x nv]: d rate/dv; 3 bias [nh]: d rate/dt = H v' + bias. Masked by blocks: mask[0] outputs 0 and 1, mask[1] outputs 2 and 3.
+     Null where nh = 0. */
+  tf_function constraint_terms;
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 dc/dx [ns x nx]. mask: ns bytes. */
   tf_function switch_gradients;
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 df/dalpha [nv x ns], 1 dz'/dalpha [nz x ns]. */
   tf_function step_derivatives;
-  /* All first derivatives of the dynamics at fixed alpha, v' = A, ln = NORMAL, lt = TANGENT.
-     in: all but ZDOT. out: 0 d(M A - f - Jn^T ln - Jt^T lt)/dx [nv x nx], 1 dz'/dx [nz x nx], 2 d(Jn A + bias)/dx [nc x nx],
-     3 d(Jt A + bias)/dx [nt x nx], 4 dmu/dx [nc x nx], 5 dbound/dx [nt x nx].
+  /* All first derivatives of the dynamics at fixed alpha, v' = A, ln = NORMAL, lt = TANGENT, nu = MULTIPLIER.
+     in: all but ZDOT. out: 0 d(M A - f - Jn^T ln - Jt^T lt - H^T nu)/dx [nv x nx], 1 dz'/dx [nz x nx], 2 d(Jn A + bias)/dx [nc x nx],
+     3 d(Jt A + bias)/dx [nt x nx], 4 dmu/dx [nc x nx], 5 dbound/dx [nt x nx], 6 d(H A + bias)/dx [nh x nx] (where nh > 0).
      mask: nc + nf bytes, rows of 2..5. Output 0 has the terms of all forces: those of contacts and friction elements that are not
      selected must be 0. */
   tf_function dynamics_derivatives;
   /* in: all. out: 0 outputs [no]. */
   tf_function outputs;
-  /* in: TIME, Q, V, Z, U, P. out: 0 kinetic energy [1], 1 potential energy [1] (gravity and potential elements), 2 power of forces [1]. */
+  /* in: TIME, Q, V, Z, U, P, ALPHA, A. out: 0 kinetic energy [1], 1 potential energy [1] (gravity and potential elements), 2 power [1] of
+     everything else that is applied: force elements and what drives positions and energies by their explicit dependence on time and states.
+     d(kinetic + potential)/dt = power + (Jn v).ln + (Jt v).lt + (H v).nu at constant inputs. */
   tf_function energies;
 } tf_model;
 

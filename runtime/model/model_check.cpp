@@ -14,6 +14,11 @@ std::int64_t kindSize(const tf_model &model, std::int32_t kind) {
   case TF_KIND_TIME:
   case TF_KIND_NUMERICAL_TIME:
   case TF_KIND_TIME_SPEED:
+  case TF_KIND_KINETIC_ENERGY:
+  case TF_KIND_POTENTIAL_ENERGY:
+  case TF_KIND_FRICTION_LOSS:
+  case TF_KIND_IMPACT_LOSS:
+  case TF_KIND_WORK:
     return std::numeric_limits<std::int32_t>::max();  // the index says nothing
   case TF_KIND_COORDINATE:
     return model.nq;
@@ -46,6 +51,8 @@ std::int64_t kindSize(const tf_model &model, std::int32_t kind) {
     return model.nt;
   case TF_KIND_STEP_VARIABLE:
     return model.ns;
+  case TF_KIND_MULTIPLIER:
+    return model.nh;
   default:
     return 0;
   }
@@ -68,6 +75,9 @@ Outcome<void> checkCounts(const tf_model &model) {
                 {"switches", model.ns, model.switches},
                 {"outputs", model.no, &model},
                 {"friction elements", model.nf, model.frictions},
+                {"rotations", model.nr, model.quaternions},
+                {"constraints", model.nk, model.constraints},
+                {"constraint rows", model.nh, &model},
                 {"variables", model.variable_count, model.variables},
                 {"aliases", model.alias_count, model.aliases}};
   for (const auto &table : tables) {
@@ -89,8 +99,12 @@ Outcome<void> checkFunctions(const tf_model &model) {
         model.switch_gradients, model.step_derivatives, model.dynamics_derivatives, model.outputs, model.energies})
     if (function == nullptr)
       return damaged("a function is missing");
-  if (model.nq != model.nv && model.kinematics == nullptr)
+  if (model.nq - model.nv != model.nr)
+    return damaged(fmt::format("{} coordinates and {} velocities with {} rotations", model.nq, model.nv, model.nr));
+  if (model.nr > 0 && (model.kinematics == nullptr || model.kinematics_derivatives == nullptr))
     return damaged("the kinematic function is missing");
+  if (model.nh > 0 && model.constraint_terms == nullptr)
+    return damaged("the function of the constraints is missing");
   return {};
 }
 
@@ -140,6 +154,20 @@ Outcome<void> checkElements(const tf_model &model) {
       return checked;
   if (row != model.nt)
     return damaged(fmt::format("{} tangential rows, but its elements have {}", model.nt, row));
+  row = 0;
+  for (std::int32_t i = 0; i < model.nk; ++i) {
+    const tf_constraint &constraint = model.constraints[i];
+    if (constraint.name == nullptr)
+      return damaged("a constraint has no name");
+    if (constraint.row_count < 0 || constraint.row_first != row)
+      return damaged(fmt::format("'{}' has {} constraint rows from row {}", constraint.name, constraint.row_count, constraint.row_first));
+    row += constraint.row_count;
+  }
+  if (row != model.nh)
+    return damaged(fmt::format("{} constraint rows, but its constraints have {}", model.nh, row));
+  for (std::int32_t i = 0; i < model.nr; ++i)
+    if (model.quaternions[i] < (i == 0 ? 0 : model.quaternions[i - 1] + 4) || model.quaternions[i] + 4 > model.nq)
+      return damaged(fmt::format("the rotation {} begins with coordinate {}", i, model.quaternions[i]));
   for (std::int32_t i = 0; i < model.ns; ++i) {
     if (model.switches[i].text == nullptr)
       return damaged(fmt::format("switch {} has no text", i));

@@ -80,6 +80,13 @@ double VariableValues::value(const tf_variable &variable, double time, const dou
     return owner_[i] < 0 ? 0 : push(owner_[i]) * slipStep(i);
   case TF_KIND_THETA_FORWARD:
     return owner_[i] < 0 ? 0 : push(owner_[i]) * (1 - slipStep(i));
+  case TF_KIND_MULTIPLIER:
+  case TF_KIND_KINETIC_ENERGY:
+  case TF_KIND_POTENTIAL_ENERGY:
+  case TF_KIND_FRICTION_LOSS:
+  case TF_KIND_IMPACT_LOSS:
+  case TF_KIND_WORK:
+    break;
   }
   return 0;
 }

@@ -15,7 +15,7 @@
 
 namespace tf::codegen::testing {
 
-inline constexpr std::size_t dynamicsIndex = 3;
+inline constexpr std::size_t dynamicsIndex = 4;
 
 inline std::vector<ir::Function> asDynamics(ir::Function function) {
   std::vector<ir::Function> functions(modelFunctionCount);

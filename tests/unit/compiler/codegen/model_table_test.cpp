@@ -25,8 +25,10 @@ protected:
     ir::Graph &g = system.graph;
     system.name = "m";
     system.description = "says \"hé\"\n";
-    system.nq = 2;
-    system.nv = 2;
+    system.nq = 6;
+    system.nv = 5;
+    system.motion.addCoordinates(2);
+    system.motion.addRotation();
     system.nz = 1;
     system.nu = 1;
     system.np = 4;
@@ -43,6 +45,8 @@ protected:
     system.contacts = {{"floor", span, -1, -1, -1, {}, 0, 1, -1, -1, -1, TF_LAW_STRONGE, 0.5}};
     system.frictions = {{"brake", {}, 1, 2, -1}};
     system.tangents.resize(3);
+    system.constraints = {{"loop", span, 0, 2, false, 0.25}};
+    system.constraintRows.resize(2);
     system.switches = {{"x >= 0", span, -1, TF_SWITCH_CONTINUOUS, true}};
     system.outputs = {p0};
     system.experiment.stopTime = 2.5;
@@ -57,8 +61,8 @@ protected:
     EXPECT_STREQ(m.description, "says \"hé\"\n");
     EXPECT_THAT(m.generator, ::testing::StartsWith("tfc "));
     EXPECT_STREQ(m.hash, "content");
-    EXPECT_EQ((std::vector{m.nq, m.nv, m.nz, m.nu, m.np, m.nc, m.nt, m.ns, m.no, m.nf, m.variable_count, m.alias_count}),
-              (std::vector<int>{2, 2, 1, 1, 4, 1, 3, 1, 1, 1, 3, 1}));
+    EXPECT_EQ((std::vector{m.nq, m.nv, m.nz, m.nu, m.np, m.nc, m.nt, m.ns, m.no, m.nf, m.nr, m.nk, m.nh, m.variable_count, m.alias_count}),
+              (std::vector<int>{6, 5, 1, 1, 4, 1, 3, 1, 1, 1, 1, 1, 2, 3, 1}));
     EXPECT_EQ(m.binding_depth, 2);
     EXPECT_EQ(m.mass_is_constant, 1);
     EXPECT_TRUE(std::isnan(m.start_time) && std::isnan(m.tolerance) && std::isnan(m.interval));
@@ -87,6 +91,11 @@ protected:
     EXPECT_EQ(m.contacts[0].location.line, 2);
     EXPECT_STREQ(m.frictions[0].name, "brake");
     EXPECT_EQ((std::vector{m.frictions[0].tangent_first, m.frictions[0].tangent_count}), (std::vector{1, 2}));
+    EXPECT_STREQ(m.constraints[0].name, "loop");
+    EXPECT_EQ((std::vector{m.constraints[0].row_first, m.constraints[0].row_count, m.constraints[0].holonomic}), (std::vector{0, 2, 0}));
+    EXPECT_EQ(m.constraints[0].nominal, 0.25);
+    EXPECT_EQ(m.constraints[0].location.line, 2);
+    EXPECT_EQ(m.quaternions[0], 2);
     EXPECT_STREQ(m.switches[0].text, "x >= 0");
     EXPECT_EQ((std::vector{m.switches[0].kind, m.switches[0].zero_is_positive}), (std::vector<int>{TF_SWITCH_CONTINUOUS, 1}));
     EXPECT_EQ(m.switches[0].location.column, 11);
@@ -116,9 +125,10 @@ TEST_F(ModelTable, FunctionPointersAreInOrder) {
       functions[k] = {"f" + std::to_string(k), {1}, 0, {{0, 0, system.graph.constant(static_cast<double>(k)), -1}}};
   const Loaded shared(emit(source(), EmitKind::SharedLibrary, {2, ""}));
   const tf_model &m = *shared.model();
-  const std::vector<tf_function> pointers{
-      m.bindings,         m.starts,           m.kinematics,           m.dynamics, m.switching, m.contact_terms, m.contact_parameters,
-      m.switch_gradients, m.step_derivatives, m.dynamics_derivatives, m.outputs,  m.energies};
+  const std::vector<tf_function> pointers{m.bindings,         m.starts,           m.kinematics,       m.kinematics_derivatives,
+                                          m.dynamics,         m.switching,        m.contact_terms,    m.contact_parameters,
+                                          m.constraint_terms, m.switch_gradients, m.step_derivatives, m.dynamics_derivatives,
+                                          m.outputs,          m.energies};
   for (std::size_t k = 0; k < pointers.size(); ++k) {
     if (k == 2) {
       EXPECT_EQ(pointers[k], nullptr);

@@ -12,10 +12,12 @@ enum FunctionIndex {
   Bindings,
   Starts,
   Kinematics,
+  KinematicsDerivatives,
   Dynamics,
   Switching,
   ContactTerms,
   ContactParameters,
+  ConstraintTerms,
   SwitchGradients,
   StepDerivatives,
   DynamicsDerivatives,
@@ -49,7 +51,7 @@ protected:
   void SetUp() override {
     TF_ASSERT_DERIVED(model_);
     functions_ = modelFunctions(*model_);
-    ASSERT_EQ(functions_.size(), 12U);
+    ASSERT_EQ(functions_.size(), 14U);
     for (const auto &[kind, count] :
          {std::pair{Coordinate, model_->nq}, std::pair{Velocity, model_->nv}, std::pair{State, model_->nz}, std::pair{Input, model_->nu}})
       for (int k = 0; k < count; ++k)
@@ -105,7 +107,7 @@ TEST_F(FunctionsTest, AreCompleteAndWellFormed) {
   EXPECT_EQ(functions_[Switching].bufferSizes, (std::vector<int>{3, 3, 2, static_cast<int>(model_->switches.size())}));
   EXPECT_EQ(functions_[ContactTerms].bufferSizes, (std::vector<int>{9, 3, 6, 2, 3, 2}));
   EXPECT_EQ(functions_[ContactTerms].groups, 4);
-  EXPECT_EQ(functions_[DynamicsDerivatives].bufferSizes, (std::vector<int>{3 * nx, 2 * nx, 3 * nx, 2 * nx, 3 * nx, 2 * nx}));
+  EXPECT_EQ(functions_[DynamicsDerivatives].bufferSizes, (std::vector<int>{3 * nx, 2 * nx, 3 * nx, 2 * nx, 3 * nx, 2 * nx, 0}));
   EXPECT_EQ(functions_[Energies].bufferSizes, (std::vector<int>{1, 1, 1}));
 }
 
