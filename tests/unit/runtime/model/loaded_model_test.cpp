@@ -71,7 +71,7 @@ TEST_F(Loading, RefusesOtherFiles) {
   EXPECT_EQ(reason(sample("other")), "it is a shared library, but not a compiled model");
   EXPECT_EQ(reason(sample("next_symbol")), "it was compiled for another version of the interface of compiled models; compile it again");
   EXPECT_EQ(reason(sample("newer")),
-            "the model was compiled for version 2 of the interface of compiled models, this program has version 1; compile it again");
+            "the model was compiled for version 3 of the interface of compiled models, this program has version 2; compile it again");
   EXPECT_EQ(reason(sample("unmarked")), "not a compiled model: its table does not begin with the mark of one");
   EXPECT_EQ(reason(sample("incomplete")), "the compiled model is damaged: a function is missing");
 }
@@ -135,7 +135,16 @@ INSTANTIATE_TEST_SUITE_P(
                     Defect{"binding depth -2", [](tf_model &model) { model.binding_depth = -2; }},
                     Defect{"no name", [](tf_model &model) { model.name = nullptr; }},
                     Defect{"a function is missing", [](tf_model &model) { model.energies = nullptr; }},
-                    Defect{"the kinematic function is missing", [](tf_model &model) { model.nq = 4; }},
+                    Defect{"4 coordinates and 3 velocities with 0 rotations", [](tf_model &model) { model.nq = 4; }},
+                    Defect{"the kinematic function is missing",
+                           [](tf_model &model) {
+                             static constexpr std::int32_t kFirst = 0;
+                             model.nq = 4;
+                             model.nr = 1;
+                             model.quaternions = &kFirst;
+                           }},
+                    Defect{"no table of constraints", [](tf_model &model) { model.nk = 1; }},
+                    Defect{"the function of the constraints is missing", [](tf_model &model) { model.nh = 1; }},
                     Defect{"its variables do not begin with time and numerical time", [](tf_model &model) { model.variable_count = 1; }},
                     Defect{"its variables do not begin with time and numerical time", inVariables([](auto &v) { std::swap(v[0], v[2]); })},
                     Defect{"variable 3 has no name", inVariables([](auto &v) { v[3].name = nullptr; })},
