@@ -12,8 +12,9 @@ constexpr double agreement = 1e-9;
 
 }  // namespace
 
-void BreakpointTail::reset(int width) {
+void BreakpointTail::reset(int width, int compared) {
   width_ = width;
+  compared_ = compared;
   count_ = 0;
   period_ = 0;
   rows_.resize(memory);
@@ -50,7 +51,7 @@ bool BreakpointTail::repeats() {
     sumCycle(period, 1, before_);
     sumCycle(period, 2, earlier_);
     double product = 0, squares = 0, largest = 0;
-    for (int k = 0; k < width_; ++k) {
+    for (int k = 0; k < compared_; ++k) {
       product += cycle_[k] * before_[k];
       squares += before_[k] * before_[k];
       largest = std::max(largest, std::abs(before_[k]));
@@ -59,7 +60,7 @@ bool BreakpointTail::repeats() {
       continue;
     factor_ = product / squares;
     bool constant = true;
-    for (int k = 0; k < width_ && constant; ++k)
+    for (int k = 0; k < compared_ && constant; ++k)
       constant = std::abs(cycle_[k] - factor_ * before_[k]) <= agreement * largest &&
                  std::abs(before_[k] * factor_ - factor_ * factor_ * earlier_[k]) <= agreement * largest;
     if (constant) {

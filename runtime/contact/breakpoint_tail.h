@@ -10,8 +10,9 @@ namespace tf::runtime {
 
 class BreakpointTail {
 public:
-  // `width`: number of values that a piece changes (velocities, impulses and τ).
-  void reset(int width);
+  // `width`: number of values that a piece changes (velocities, impulses and τ), of which the first `compared` shrink by the factor of
+  // the cycle; the others (work, quadratic in velocities) are only recorded.
+  void reset(int width, int compared);
   // The piece that ends at a zero of `row`, with its increments.
   void add(int row, std::span<const double> increment);
 
@@ -35,7 +36,7 @@ private:
   [[nodiscard]] bool sameRows(int period) const;
   void sumCycle(int period, int cyclesBack, std::vector<double> &sum) const;
 
-  int width_ = 0, period_ = 0;
+  int width_ = 0, compared_ = 0, period_ = 0;
   long count_ = 0;
   double factor_ = 0;
   std::vector<int> rows_;

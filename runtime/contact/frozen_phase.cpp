@@ -26,6 +26,8 @@ void FrozenProblem::resize(int normals, int tangents) {
   normalVelocity.assign(normals, 0.0);
   slipVelocity.assign(tangents, 0.0);
   rate.assign(normals, 1.0);
+  restitution.assign(normals, 0.0);
+  law.assign(normals, ImpactLaw::Poisson);
 }
 
 struct FrozenPhase::Workspace {
@@ -33,27 +35,34 @@ struct FrozenPhase::Workspace {
   const FrozenProblem *problem = nullptr;
   PlanarFrictionSolver solver;
   PlanarFrictionMode previous;
+  Restitution restitution;
   BreakpointTail tail;
   FrozenResult result;
   std::vector<FrozenBreakpoint> breakpoints;
   int kept = 0;
   double tau = 0;
-  std::vector<double> velocity, magnitude, impulse;   // c2 and c3, what they are sums of, and total impulses
+  std::vector<double> velocity, magnitude, impulse;   // c2 (less Newton's target) and c3, what they are sums of, and total impulses
   std::vector<double> force, acceleration, turnover;  // of the piece: λ, w = D λ, Σ |D λ|
-  std::vector<double> increment;                      // of a piece: velocities, impulses, τ
-  std::vector<std::uint8_t> inCycle;
+  std::vector<double> increment;                      // of a piece: velocities, impulses, τ, stored impulses, stored works
+  std::vector<std::uint8_t> inCycle;                  // rows, then what normal rows store
   bool hasPrevious = false;
 
   void begin(const FrozenProblem &at, int forced);
   void roundVelocities();
+  [[nodiscard]] bool pushes(int normal) const { return velocity[normal] < 0 || restitution.stored(normal); }
+  [[nodiscard]] bool anyPushes() const;
+  void resetTail();
   void pose(int forced);
   bool findDirection(int forced);
-  int nextZero(double &duration) const;
+  int nextBreakpoint(double &duration) const;
+  bool discard();
   void advance(int row, double duration);
+  void advanceStores(int row, double duration);
   void record(int row, FrozenEvent event);
   [[nodiscard]] FrozenEvent classify(int row) const;
   void markCycle();
   bool sumTail();
+  [[nodiscard]] double workTail(int i, double limit) const;
   [[nodiscard]] bool drifts() const;
   bool skipCycles();
   void fail(FrozenStatus status);
@@ -80,16 +89,19 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   roundVelocities();
   if (forced >= 0)
     velocity[forced] = std::min(velocity[forced], 0.0);
-  inCycle.resize(count);
   magnitude.resize(count);
   for (int r = 0; r < count; ++r)
     magnitude[r] = std::abs(velocity[r]);
+  restitution.begin(at.restitution, at.law, at.rate, {velocity.data(), static_cast<std::size_t>(at.normalCount)});
+  for (int i = 0; i < at.normalCount; ++i)
+    velocity[i] -= restitution.target(i);
   impulse.assign(count, 0.0);
   force.assign(count, 0.0);
   acceleration.assign(count, 0.0);
   turnover.assign(count, 0.0);
-  increment.resize(2 * static_cast<std::size_t>(count) + 1);
-  tail.reset(2 * count + 1);
+  inCycle.resize(static_cast<std::size_t>(count) + at.normalCount);
+  increment.resize(2 * static_cast<std::size_t>(count) + 1 + 2 * static_cast<std::size_t>(at.normalCount));
+  resetTail();
   tau = 0;
   kept = 0;
   hasPrevious = false;
@@ -98,15 +110,27 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   result.breakpointCount = 0;
 }
 
-// The velocity of a row decides what it does; at zero, the complementarity problem does.
+void FrozenPhase::Workspace::resetTail() {
+  const int compared = 2 * problem->count() + 1 + problem->normalCount;
+  tail.reset(compared + problem->normalCount, compared);
+}
+
+bool FrozenPhase::Workspace::anyPushes() const {
+  for (int i = 0; i < problem->normalCount; ++i)
+    if (pushes(i))
+      return true;
+  return false;
+}
+
+// The velocity of a row and what it has stored decide what it does; at zero, with nothing stored, the complementarity problem does.
 void FrozenPhase::Workspace::pose(int forced) {
   const int n = problem->normalCount, m = problem->tangentCount;
   PlanarFrictionProblem &p = solver.problem();
   p.resize(n, m);
   std::copy_n(problem->delassus.data(), (n + m) * (n + m), p.delassus.data());
   for (int i = 0; i < n; ++i) {
-    const bool open = velocity[i] > 0;
-    p.normalKind[i] = velocity[i] != 0 || i == forced ? NormalKind::Prescribed : NormalKind::Unilateral;
+    const bool open = velocity[i] > 0 && !restitution.stored(i);
+    p.normalKind[i] = velocity[i] != 0 || i == forced || restitution.stored(i) ? NormalKind::Prescribed : NormalKind::Unilateral;
     p.upper[i] = open ? 0.0 : problem->rate[i];
   }
   for (int j = 0; j < m; ++j) {
@@ -139,14 +163,15 @@ bool FrozenPhase::Workspace::findDirection(int forced) {
       acceleration[r] = 0;
   previous = found.mode;
   for (int i = 0; i < problem->normalCount; ++i)
-    if (velocity[i] < 0 || i == forced)
+    if (pushes(i) || i == forced)
       previous.normal[i] = NormalState::Upper;
   hasPrevious = true;
   return true;
 }
 
-// The row whose velocity becomes zero first, of normal rows and of the slips of contacts that push; −1 if none does.
-int FrozenPhase::Workspace::nextZero(double &duration) const {
+// What becomes zero first: the velocity of a normal row or the slip of a contact that pushes, or (count + i) what contact i has stored; −1
+// if nothing does.
+int FrozenPhase::Workspace::nextBreakpoint(double &duration) const {
   const int n = problem->normalCount;
   int first = -1;
   for (int r = 0; r < problem->count(); ++r) {
@@ -161,11 +186,43 @@ int FrozenPhase::Workspace::nextZero(double &duration) const {
       duration = time;
     }
   }
+  for (int i = 0; i < n; ++i) {
+    const double time = restitution.exhaustion(i, velocity[i], acceleration[i]);
+    if (std::isfinite(time) && (first < 0 || time < duration)) {
+      first = problem->count() + i;
+      duration = time;
+    }
+  }
   return first;
+}
+
+// Nothing moves: contacts that push only because of what they have stored push in vain. False if there are none.
+bool FrozenPhase::Workspace::discard() {
+  bool any = false;
+  for (int i = 0; i < problem->normalCount; ++i) {
+    const bool aims = restitution.target(i) > 0 && force[i] > 0 && velocity[i] + restitution.target(i) >= 0;
+    if (!aims && !(restitution.stored(i) && velocity[i] >= 0))
+      continue;
+    velocity[i] += restitution.discard(i);
+    any = true;
+  }
+  resetTail();
+  return any;
+}
+
+void FrozenPhase::Workspace::advanceStores(int row, double duration) {
+  const int n = problem->normalCount, count = problem->count();
+  for (int i = 0; i < n; ++i) {
+    const double impulseBefore = restitution.impulse(i), workBefore = restitution.work(i);
+    restitution.advance(i, velocity[i], acceleration[i], duration, row == count + i);
+    increment[2 * static_cast<std::size_t>(count) + 1 + i] = restitution.impulse(i) - impulseBefore;
+    increment[2 * static_cast<std::size_t>(count) + 1 + n + i] = restitution.work(i) - workBefore;
+  }
 }
 
 void FrozenPhase::Workspace::advance(int row, double duration) {
   const int count = problem->count();
+  advanceStores(row, duration);
   for (int r = 0; r < count; ++r) {
     const double before = velocity[r];
     magnitude[r] += turnover[r] * duration;
@@ -185,8 +242,12 @@ void FrozenPhase::Workspace::advance(int row, double duration) {
 FrozenEvent FrozenPhase::Workspace::classify(int row) const {
   if (row < 0)
     return FrozenEvent::Start;
+  if (row >= problem->count())
+    row -= problem->count();
   if (row >= problem->normalCount)
     return acceleration[row] == 0 ? FrozenEvent::Stick : FrozenEvent::Reversal;
+  if (restitution.stored(row))
+    return acceleration[row] < 0 ? FrozenEvent::Recompression : FrozenEvent::Restitution;
   if (!(force[row] > 0))
     return FrozenEvent::Separation;
   return force[row] < problem->rate[row] ? FrozenEvent::Held : FrozenEvent::Recompression;
@@ -201,8 +262,10 @@ void FrozenPhase::Workspace::record(int row, FrozenEvent event) {
   FrozenBreakpoint &point = breakpoints[kept++];
   point.tau = tau;
   point.event = event;
-  point.row = row;
+  point.row = row >= problem->count() ? row - problem->count() : row;
   point.velocity = velocity;
+  for (int i = 0; i < problem->normalCount; ++i)
+    point.velocity[i] += restitution.target(i);
   point.impulse = impulse;
   point.force = force;
 }
@@ -213,35 +276,65 @@ void FrozenPhase::Workspace::markCycle() {
     inCycle[tail.row(back)] = 1;
 }
 
-// Infinitely many pieces at once: the velocities whose zeros make the cycle end at zero. False where another velocity might reach zero
-// before.
-bool FrozenPhase::Workspace::sumTail() {
+// Work that contact i stores in the pieces to come; its velocity converges to `limit`. The part of the limit velocity shrinks
+// by the factor of the cycle, the rest, quadratic in what shrinks, by its square.
+double FrozenPhase::Workspace::workTail(int i, double limit) const {
   const int count = problem->count();
+  const double factor = tail.factor();
+  const double share = problem->law[i] == ImpactLaw::Stronge && limit < 0 ? problem->restitution[i] * problem->restitution[i] : 1;
+  const double linear = -share * limit * tail.cycle(count + i);
+  const double quadratic = tail.cycle(2 * count + 1 + problem->normalCount + i) - linear;
+  return linear * factor / (1 - factor) + quadratic * factor * factor / (1 - factor * factor);
+}
+
+// Infinitely many pieces at once: what becomes zero in the cycle ends at zero. False where something else might reach zero before.
+bool FrozenPhase::Workspace::sumTail() {
+  const int n = problem->normalCount, count = problem->count();
   markCycle();
   for (int r = 0; r < count; ++r)
     if (!inCycle[r] && velocity[r] != 0 && std::abs(velocity[r]) <= tail.variation(r))
       return false;
+  const auto limit = [&](int r) { return inCycle[r] ? 0.0 : velocity[r] + tail.tail(r); };
+  for (int i = 0; i < n; ++i) {
+    if (inCycle[count + i] || !restitution.stored(i))
+      continue;
+    if (problem->law[i] == ImpactLaw::Poisson && restitution.impulse(i) <= tail.variation(2 * count + 1 + i))
+      return false;
+    if (restitution.work(i) > 0 && restitution.work(i) <= 2 * std::abs(workTail(i, limit(i))))
+      return false;
+  }
+  for (int i = 0; i < n; ++i)
+    if (restitution.storesWork(i) && !inCycle[count + i])
+      restitution.set(i, restitution.impulse(i) + tail.tail(2 * count + 1 + i), restitution.work(i) + workTail(i, limit(i)));
   for (int r = 0; r < count; ++r) {
-    velocity[r] = inCycle[r] ? 0.0 : velocity[r] + tail.tail(r);
+    velocity[r] = limit(r);
     impulse[r] += tail.tail(count + r);
   }
   tau += tail.tail(2 * count);
-  tail.reset(2 * count + 1);
+  resetTail();
   hasPrevious = false;
   return true;
 }
 
 // A cycle that repeats as it is ends only if it moves another velocity.
 bool FrozenPhase::Workspace::drifts() const {
-  for (int r = 0; r < problem->count(); ++r)
+  const int count = problem->count();
+  for (int r = 0; r < count; ++r)
     if (std::abs(tail.cycle(r)) > 1e-9 * tail.cycleVariation(r))
+      return true;
+  for (int k = 2 * count + 1; k < 2 * count + 1 + problem->normalCount; ++k)
+    if (std::abs(tail.cycle(k)) > 1e-9 * tail.cycleVariation(k))
       return true;
   return false;
 }
 
-// All of the equal cycles at once that pass before the velocity of another row could reach zero.
+// All of the equal cycles at once that pass before the velocity of another row could reach zero. Stored works change quadratically over
+// the cycles: contacts with restitution are followed one by one.
 bool FrozenPhase::Workspace::skipCycles() {
   const int count = problem->count();
+  for (int i = 0; i < problem->normalCount; ++i)
+    if (restitution.storesWork(i))
+      return false;
   markCycle();
   double cycles = std::numeric_limits<double>::infinity();
   for (int r = 0; r < count; ++r)
@@ -256,33 +349,39 @@ bool FrozenPhase::Workspace::skipCycles() {
     impulse[r] += cycles * tail.cycle(count + r);
   }
   tau += cycles * tail.cycle(2 * count);
-  tail.reset(2 * count + 1);
+  resetTail();
   return true;
 }
 
 void FrozenPhase::Workspace::fail(FrozenStatus status) {
   result.status = status;
   for (int i = 0; i < problem->normalCount; ++i)
-    if (force[i] > 0 || velocity[i] < 0)
+    if (force[i] > 0 || pushes(i))
       result.rows.push_back(i);
 }
 
 void FrozenPhase::Workspace::follow(int forced) {
   FrozenEvent event = FrozenEvent::Start;
   int row = -1;
-  while (forced >= 0 || std::any_of(velocity.begin(), velocity.begin() + problem->normalCount, [](double c) { return c < 0; })) {
+  while (forced >= 0 || anyPushes()) {
     if (!findDirection(forced))
       return fail(FrozenStatus::Unsettled);
+    if (restitution.push(force))
+      continue;
     if (forced >= 0 && !(acceleration[forced] < 0) && !(velocity[forced] < 0))
       break;
     forced = -1;
-    record(row, event == FrozenEvent::Accumulation ? event : classify(row));
+    record(row, event == FrozenEvent::Start ? classify(row) : event);
     double duration = 0;
-    row = nextZero(duration);
+    row = nextBreakpoint(duration);
+    event = FrozenEvent::Start;
+    if (row < 0 && discard()) {
+      event = FrozenEvent::Discard;
+      continue;
+    }
     if (row < 0)
       return fail(FrozenStatus::Unbounded);
     advance(row, duration);
-    event = FrozenEvent::Start;
     const int pieces = ++result.breakpointCount;
     if (pieces > settings.breakpointLimit)
       return fail(FrozenStatus::Cycle);
@@ -301,7 +400,7 @@ void FrozenPhase::Workspace::follow(int forced) {
   }
   std::fill(force.begin(), force.end(), 0.0);
   std::fill(acceleration.begin(), acceleration.end(), 0.0);
-  record(row, event == FrozenEvent::Accumulation ? event : classify(row));
+  record(row, event == FrozenEvent::Start ? classify(row) : event);
 }
 
 FrozenPhase::FrozenPhase() : FrozenPhase(Settings{}) {}
@@ -317,6 +416,8 @@ const FrozenResult &FrozenPhase::run(const FrozenProblem &problem, int forced) {
   w.result.duration = w.tau;
   w.result.impulse = w.impulse;
   w.result.velocity = w.velocity;
+  for (int i = 0; i < problem.normalCount; ++i)
+    w.result.velocity[i] += w.restitution.target(i);
   return w.result;
 }
 

@@ -1,10 +1,12 @@
 // Impacts while physical time is frozen (theory.md section 3): the velocities of all contacts in the active set follow the sum of the
-// auxiliary fields of the contacts that push. v' is constant between the zeros of c2_i and c3_i, so the path is piecewise linear and is
-// followed from breakpoint to breakpoint without step size or tolerance.
+// auxiliary fields of the contacts that push. v' is constant between the zeros of c2_i, c3_i and of what contacts store for their
+// restitution (restitution.h), so the path is piecewise linear and is followed from breakpoint to breakpoint without step size or
+// tolerance.
 #ifndef TF_RUNTIME_CONTACT_FROZEN_PHASE_H
 #define TF_RUNTIME_CONTACT_FROZEN_PHASE_H
 
 #include "runtime/contact/contact_problem.h"
+#include "runtime/contact/restitution.h"
 
 #include <memory>
 #include <span>
@@ -19,17 +21,21 @@ struct FrozenProblem : ContactRows {
   std::vector<double> normalVelocity;  // n: c2
   std::vector<double> slipVelocity;    // m: c3
   std::vector<double> rate;            // n: a_n > 0
+  std::vector<double> restitution;     // n: ε ≥ 0
+  std::vector<ImpactLaw> law;          // n
 
-  void resize(int normals, int tangents);  // rates are 1, all else 0
+  void resize(int normals, int tangents);  // rates are 1, the law is Poisson's, all else 0
 };
 
 enum class FrozenEvent : std::uint8_t {
   Start,
-  Separation,     // c2 of the row has reached 0, the contact pushes no longer
+  Separation,     // the contact of the row pushes no longer: c2 has reached 0 (Newton: its target), or nothing is stored any more
+  Restitution,    // c2 of the row has reached 0, the contact goes on pushing by what it has stored
   Held,           // c2 of the row has reached 0 and stays there, held between other contacts (push fractional)
   Recompression,  // c2 of the row falls below 0 again, or for the first time
   Stick,          // c3 of the row has reached 0 and stays
   Reversal,       // c3 of the row has changed its sign, or leaves 0
+  Discard,        // nothing moves any more: what contacts have stored is of no use to them
   Accumulation    // very many breakpoints have been summed, infinitely many where they accumulate
 };
 
@@ -72,9 +78,9 @@ public:
   FrozenPhase(FrozenPhase &&) noexcept;
   FrozenPhase &operator=(FrozenPhase &&) noexcept;
 
-  // Follows the path to its end: all c2 ≥ 0 and nothing pushes. `forced` ≥ 0 is a normal row whose contact pushes although its c2 is 0:
-  // the frictional impulse of Painlevé's paradox, D_s < 0 (theory.md section 3); nothing happens if that would not press it in further.
-  // The reference is valid until the next call.
+  // Follows the path to its end: all c2 ≥ 0, nothing pushes and nothing is stored. `forced` ≥ 0 is a normal row whose contact pushes
+  // although its c2 is 0: the frictional impulse of Painlevé's paradox, D_s < 0 (theory.md section 3); nothing happens if that would not
+  // press it in further. The reference is valid until the next call.
   const FrozenResult &run(const FrozenProblem &problem, int forced = -1);
 
   // The path of the last run, its begin first; linear between neighbours.

@@ -110,9 +110,9 @@ tf_status Simulation::Implementation::fail(std::string text) {
 tf_status Simulation::Implementation::checkSupported() {
   for (int i = 0; i < model_.nc; ++i) {
     const tf_contact &contact = model_.contacts[i];
-    if (at_.restitution[i] != 0)
-      return fail(fmt::format("contact '{}' has restitution {}: impacts with restitution are not supported yet ({}:{})", contact.name,
-                              at_.restitution[i], contact.location.file, contact.location.line));
+    if (!(at_.restitution[i] >= 0 && at_.restitution[i] <= 1))
+      return fail(fmt::format("contact '{}' has restitution {}; it must be between 0 and 1 ({}:{})", contact.name, at_.restitution[i],
+                              contact.location.file, contact.location.line));
     if (!(at_.rate[i] > 0))
       return fail(fmt::format("contact '{}' has rate {}; it must be positive ({}:{})", contact.name, at_.rate[i], contact.location.file,
                               contact.location.line));

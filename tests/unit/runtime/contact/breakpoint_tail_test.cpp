@@ -14,7 +14,7 @@ namespace {
 
 TEST(BreakpointTail, SumsAGeometricCycle) {
   BreakpointTail tail;
-  tail.reset(2);
+  tail.reset(2, 2);
   double size = 1, total = 0;
   for (int cycle = 0; cycle < 3; ++cycle) {
     for (const int row : {4, 7}) {
@@ -35,7 +35,7 @@ TEST(BreakpointTail, SumsAGeometricCycle) {
 
 TEST(BreakpointTail, DoesNotTakeAChangingFactorForATail) {
   BreakpointTail tail;
-  tail.reset(1);
+  tail.reset(1, 1);
   for (int k = 0; k < 40; ++k) {
     const std::array<double, 1> increment{1.0 / (1 + k * k)};
     tail.add(3, increment);

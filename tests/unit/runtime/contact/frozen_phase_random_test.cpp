@@ -76,6 +76,42 @@ TEST(FrozenPhaseRandom, EndsWithoutApproachAndWithoutGainOfEnergy) {
   EXPECT_EQ(failed, 0) << "of " << finished + failed << ", longest " << longest;
 }
 
+// Poisson's law (with the end at w = 0 where several contacts push) and Stronge's, mixed, with different coefficients, friction and rates.
+TEST(FrozenPhaseRandom, RestitutionEndsWithoutApproachAndWithoutGainOfEnergy) {
+  RandomContacts contacts(51);
+  FrozenPhase phase;
+  int failed = 0, stored = 0;
+  for (int run = 0; run < 6000; ++run) {
+    const int n = contacts.integer(1, 6), nv = contacts.integer(2, 2 * n + 3);
+    const Eigen::MatrixXd J = looseJacobian(contacts, n, nv);
+    const Eigen::VectorXd v = contacts.matrix(nv, 1) - Eigen::VectorXd::Unit(nv, 0);
+    FrozenProblem problem = randomPhase(contacts, J, v, run % 3 == 0 ? 2.0 : 0.8);
+    for (int i = 0; i < n; ++i) {
+      problem.restitution[i] = contacts.integer(0, 3) == 0 ? 1.0 : contacts.uniform(0, 1);
+      problem.law[i] = contacts.integer(0, 1) == 0 ? ImpactLaw::Poisson : ImpactLaw::Stronge;
+    }
+    const FrozenResult &result = phase.run(problem);
+    if (result.status != FrozenStatus::Finished) {
+      ++failed;
+      continue;
+    }
+    for (int i = 0; i < n; ++i)
+      ASSERT_GE(result.velocity[i], 0) << "run " << run;
+    double least = 0.5 * v.squaredNorm();
+    const double before = least;
+    for (const FrozenBreakpoint &point : phase.breakpoints()) {
+      stored += point.event == FrozenEvent::Restitution ? 1 : 0;
+      const Eigen::VectorXd at = v + J.transpose() * Eigen::Map<const Eigen::VectorXd>(point.impulse.data(), 2 * n);
+      ASSERT_LE(0.5 * at.squaredNorm(), before + 1e-12) << "run " << run;
+      const Eigen::VectorXd c = J * at;
+      for (int r = 0; r < 2 * n; ++r)
+        ASSERT_NEAR(c(r), point.velocity[r], 1e-9 * (1 + v.norm())) << "run " << run;
+    }
+  }
+  EXPECT_EQ(failed, 0);
+  EXPECT_GT(stored, 3000);
+}
+
 // The Filippov right-hand side itself, with tiny explicit steps: chattering about c = 0 averages to the sliding solution.
 Eigen::VectorXd integrate(const FrozenProblem &problem, const Eigen::MatrixXd &J, Eigen::VectorXd v, double step, double end) {
   const int n = problem.normalCount;

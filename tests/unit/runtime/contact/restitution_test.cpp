@@ -1,0 +1,256 @@
+// Frozen phases with restitution (theory.md section 3) against closed forms.
+#include "runtime/contact/frozen_phase.h"
+
+#include "tests/unit/runtime/contact/mechanisms.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace tf::runtime {
+namespace {
+
+using test::body;
+using test::frozen;
+using test::Mechanism;
+using test::velocityAfter;
+
+constexpr ImpactLaw allLaws[] = {ImpactLaw::Poisson, ImpactLaw::Stronge, ImpactLaw::Newton};
+
+// Balls in a row with the given masses, without friction: contact i between ball i and i + 1.
+struct Row {
+  Eigen::VectorXd mass, v;
+
+  [[nodiscard]] Eigen::MatrixXd jacobian() const {
+    const auto n = v.size() - 1;
+    Eigen::MatrixXd J = Eigen::MatrixXd::Zero(n, n + 1);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      J(i, i) = -1;
+      J(i, i + 1) = 1;
+    }
+    return J;
+  }
+  [[nodiscard]] FrozenProblem problem(double restitution, ImpactLaw law) const {
+    const Eigen::MatrixXd J = jacobian();
+    FrozenProblem result;
+    result.resize(static_cast<int>(J.rows()), 0);
+    result.delassus.map() = J * mass.cwiseInverse().asDiagonal() * J.transpose();
+    const Eigen::VectorXd c = J * v;
+    result.normalVelocity.assign(c.begin(), c.end());
+    result.restitution.assign(result.normalCount, restitution);
+    result.law.assign(result.normalCount, law);
+    return result;
+  }
+  [[nodiscard]] Eigen::VectorXd after(const FrozenResult &result) const {
+    return v + mass.cwiseInverse().asDiagonal() *
+                   (jacobian().transpose() * Eigen::Map<const Eigen::VectorXd>(result.impulse.data(), v.size() - 1));
+  }
+  [[nodiscard]] double energy(const Eigen::VectorXd &velocity) const { return 0.5 * velocity.dot(mass.asDiagonal() * velocity); }
+};
+
+double energy(const Mechanism &mechanism, const Eigen::VectorXd &v) { return 0.5 * v.dot(mechanism.mass * v); }
+
+FrozenProblem with(FrozenProblem problem, double restitution, ImpactLaw law) {
+  problem.restitution.assign(problem.normalCount, restitution);
+  problem.law.assign(problem.normalCount, law);
+  return problem;
+}
+
+TEST(FrozenRestitution, OneBallLeavesWithItsShareOfTheSpeed) {
+  for (const ImpactLaw law : allLaws)
+    for (const double restitution : {0.0, 0.3, 1.0}) {
+      FrozenProblem problem;
+      problem.resize(1, 0);
+      problem.delassus(0, 0) = 0.5;
+      problem.normalVelocity[0] = -5;
+      problem.rate[0] = 4;
+      FrozenPhase phase;
+      const FrozenResult &result = phase.run(with(problem, restitution, law));
+      ASSERT_EQ(result.status, FrozenStatus::Finished);
+      EXPECT_NEAR(result.velocity[0], 5 * restitution, 1e-14);
+      EXPECT_NEAR(result.impulse[0], 10 * (1 + restitution), 1e-13);
+      EXPECT_NEAR(result.duration, 2.5 * (1 + restitution), 1e-13);
+      if (restitution > 0 && law != ImpactLaw::Newton) {
+        EXPECT_EQ(phase.breakpoints()[1].event, FrozenEvent::Restitution);
+      }
+      EXPECT_EQ(phase.breakpoints().back().event, FrozenEvent::Separation);
+    }
+}
+
+TEST(FrozenRestitution, TwoBallsExchangeMomentum) {
+  const Row row{Eigen::Vector2d(1, 3), Eigen::Vector2d(2, -1)};
+  FrozenPhase phase;
+  for (const ImpactLaw law : allLaws)
+    for (const double restitution : {0.25, 1.0}) {
+      const FrozenResult &result = phase.run(row.problem(restitution, law));
+      const Eigen::VectorXd v = row.after(result);
+      const double common = (2 - 3) / 4.0;  // of the centre of mass
+      EXPECT_NEAR(v(0), common - restitution * (2 - common), 1e-14);
+      EXPECT_NEAR(v(1), common - restitution * (-1 - common), 1e-14);
+    }
+}
+
+// Poisson's law alone would give 70 % more energy.
+TEST(FrozenRestitution, ThreeBallsDoNotGainEnergy) {
+  const Row row{Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1, 0, -0.5)};
+  FrozenPhase phase;
+  for (const ImpactLaw law : {ImpactLaw::Poisson, ImpactLaw::Stronge}) {
+    const FrozenResult &result = phase.run(row.problem(1, law));
+    ASSERT_EQ(result.status, FrozenStatus::Finished);
+    const Eigen::VectorXd v = row.after(result);
+    EXPECT_LE(row.energy(v), row.energy(row.v) + 1e-14);
+    EXPECT_GT(row.energy(v), 0.5 * row.energy(row.v));
+    EXPECT_NEAR(v.sum(), 0.5, 1e-14);
+    EXPECT_GE(v(1) - v(0), -1e-14);
+    EXPECT_GE(v(2) - v(1), -1e-14);
+  }
+}
+
+// The middle contact is held while the first one pushes, and stores nothing.
+TEST(FrozenRestitution, RestingNeighbourIsCarriedAlong) {
+  const Row row{Eigen::Vector3d(1, 1, 1), Eigen::Vector3d(1, 0, 0)};
+  FrozenPhase phase;
+  for (const ImpactLaw law : allLaws) {
+    const Eigen::VectorXd v = row.after(phase.run(row.problem(1, law)));
+    EXPECT_NEAR(v(0), -1.0 / 3, 1e-14);
+    EXPECT_NEAR(v(1), 2.0 / 3, 1e-14);
+    EXPECT_NEAR(v(2), 2.0 / 3, 1e-14);
+  }
+}
+
+TEST(FrozenRestitution, TightSlotComesToRest) {
+  for (const ImpactLaw law : allLaws)
+    for (const double second : {1.0, 0.5, 3.0}) {
+      FrozenProblem problem;  // a particle between two walls
+      problem.resize(2, 0);
+      problem.delassus.map() << 1, -1, -1, 1;
+      problem.normalVelocity = {-1, 1};
+      problem.rate = {1, second};
+      FrozenPhase phase;
+      const FrozenResult &result = phase.run(with(problem, 1, law));
+      ASSERT_EQ(result.status, FrozenStatus::Finished);
+      EXPECT_NEAR(result.velocity[0], 0, 1e-14);
+      EXPECT_NEAR(result.velocity[1], 0, 1e-14);
+    }
+}
+
+// A sphere: D_nt = 0, D_tt = 7/2; slip falls by 7/2 μ (1 + ε) times the approach speed, or to zero.
+TEST(FrozenRestitution, SuperballSlipsOrGrips) {
+  const double r = 0.5;
+  for (const ImpactLaw law : allLaws)
+    for (const double mu : {0.1, 0.6})
+      for (const double restitution : {0.4, 1.0}) {
+        const Mechanism ball = body(1, 0.4 * r * r, 0, {{0, -r}}, mu);
+        const Eigen::Vector3d v(3, -2, -1);
+        FrozenPhase phase;
+        const FrozenResult &result = phase.run(with(frozen(ball, v, {0}), restitution, law));
+        const Eigen::VectorXd after = velocityAfter(ball, v, {0}, result.impulse);
+        const double slip = 3 - r;
+        const double impulse = std::min(mu * (1 + restitution) * 2, slip / 3.5);
+        EXPECT_NEAR(after(0), 3 - impulse, 1e-14);
+        EXPECT_NEAR(after(1), 2 * restitution, 1e-14);
+        EXPECT_NEAR(after(2), -1 - impulse * r / (0.4 * r * r), 1e-13);
+      }
+}
+
+// A rod whose slip ends within the compression and then sticks: D_s, then D_nn − D_nt²/D_tt; the three laws differ.
+TEST(FrozenRestitution, RodThatSticksFollowsEachLaw) {
+  const double mu = 0.8, restitution = 0.5;
+  const Mechanism rod = body(1, 1.0 / 12, 0.9, {{-0.5, 0}}, mu);
+  const Eigen::Vector3d v(0.3, -2, 0);
+  const FrozenProblem problem = frozen(rod, v, {0});
+  const double Dnn = problem.delassus(0, 0), Dnt = problem.delassus(0, 1), Dtt = problem.delassus(1, 1);
+  const double c2 = problem.normalVelocity[0], c3 = problem.slipVelocity[0];
+  ASSERT_GT(c3, 0);
+  ASSERT_LT(std::abs(Dnt), mu * Dtt);
+  const double Ds = Dnn - mu * Dnt, stick = Dnn - Dnt * Dnt / Dtt;
+  const double grip = c3 / (mu * Dtt - Dnt);  // normal impulse at which slip ends
+  const double atGrip = c2 + Ds * grip;
+  ASSERT_LT(atGrip, 0);
+  const double compression = grip - atGrip / stick;
+  const double work = -(c2 * grip + 0.5 * Ds * grip * grip) + 0.5 * atGrip * atGrip / stick;
+  FrozenPhase phase;
+  const FrozenResult poisson = phase.run(with(problem, restitution, ImpactLaw::Poisson));
+  EXPECT_NEAR(poisson.impulse[0], (1 + restitution) * compression, 1e-14);
+  EXPECT_NEAR(poisson.velocity[0], stick * restitution * compression, 1e-14);
+  const FrozenResult stronge = phase.run(with(problem, restitution, ImpactLaw::Stronge));
+  EXPECT_NEAR(stronge.velocity[0], restitution * std::sqrt(2 * stick * work), 1e-14);
+  const FrozenResult newton = phase.run(with(problem, restitution, ImpactLaw::Newton));
+  EXPECT_NEAR(newton.velocity[0], -restitution * c2, 1e-14);
+  EXPECT_EQ(newton.velocity[1], 0.0);
+  EXPECT_GT(std::abs(poisson.velocity[0] - newton.velocity[0]), 1e-3);
+  EXPECT_GT(std::abs(poisson.velocity[0] - stronge.velocity[0]), 1e-3);
+}
+
+// Kane's paradox: with friction that reverses or sticks within the impact, Newton's law may gain energy. The two others do not.
+TEST(FrozenRestitution, NewtonMayGainEnergyWhereTheOthersDoNot) {
+  FrozenPhase phase;
+  double largest = -1;
+  for (double th = 0.05; th < 1.5; th += 0.05)
+    for (double slip = -4; slip < 4; slip += 0.1) {
+      const Mechanism rod = body(1, 1.0 / 12, th, {{-0.5, 0}}, 0.7);
+      const Eigen::Vector3d v(-slip, -1, 0);
+      const double before = energy(rod, v);
+      for (const ImpactLaw law : allLaws) {
+        const FrozenResult &result = phase.run(with(frozen(rod, v, {0}), 0.9, law));
+        ASSERT_EQ(result.status, FrozenStatus::Finished);
+        const double gain = energy(rod, velocityAfter(rod, v, {0}, result.impulse)) / before - 1;
+        if (law == ImpactLaw::Newton)
+          largest = std::max(largest, gain);
+        else
+          ASSERT_LE(gain, 1e-13);
+      }
+    }
+  EXPECT_GT(largest, 0.05);
+}
+
+// The compression of a frictional impulse stores p, so that it rebounds.
+TEST(FrozenRestitution, PainleveRodRebounds) {
+  const auto rod = body(1, 1.0 / 32, std::numbers::pi / 3, {{-0.5, 0}}, 1);
+  const Eigen::Vector3d v(-10, 0, 0);
+  FrozenProblem problem = frozen(rod, v, {0});
+  problem.normalVelocity[0] = 0;
+  const double Dnn = problem.delassus(0, 0), Dnt = problem.delassus(0, 1), Dtt = problem.delassus(1, 1);
+  FrozenPhase phase;
+  for (const double restitution : {0.5, 1.0}) {
+    const FrozenResult &result = phase.run(with(problem, restitution, ImpactLaw::Poisson), 0);
+    ASSERT_EQ(result.status, FrozenStatus::Finished);
+    const double compression = 3.849001794598;
+    EXPECT_NEAR(result.impulse[0], (1 + restitution) * compression, 1e-11);
+    EXPECT_NEAR(result.velocity[0], (Dnn - Dnt * Dnt / Dtt) * restitution * compression, 1e-11);
+    EXPECT_EQ(result.velocity[1], 0.0);
+  }
+}
+
+// Each contact has its own coefficient, law and rate.
+TEST(FrozenRestitution, ContactsThatDoNotTouchEachOtherKeepTheirOwnLaws) {
+  FrozenProblem problem;
+  problem.resize(3, 0);
+  for (int i = 0; i < 3; ++i) {
+    problem.delassus(i, i) = 1 + i;
+    problem.normalVelocity[i] = -1 - 0.5 * i;
+    problem.rate[i] = 1 + 3 * i;
+  }
+  problem.restitution = {0.2, 0.7, 1.0};
+  problem.law = {ImpactLaw::Poisson, ImpactLaw::Stronge, ImpactLaw::Newton};
+  FrozenPhase phase;
+  const FrozenResult &result = phase.run(problem);
+  EXPECT_NEAR(result.velocity[0], 0.2, 1e-14);
+  EXPECT_NEAR(result.velocity[1], 0.7 * 1.5, 1e-14);
+  EXPECT_NEAR(result.velocity[2], 2, 1e-14);
+}
+
+TEST(FrozenRestitution, ClosingWallsAreAnError) {
+  for (const ImpactLaw law : allLaws) {
+    FrozenProblem problem;
+    problem.resize(2, 0);
+    problem.delassus.map() << 1, -1, -1, 1;
+    problem.normalVelocity = {-1, -0.5};
+    FrozenPhase phase;
+    EXPECT_EQ(phase.run(with(problem, 0.5, law)).status, FrozenStatus::Unbounded);
+  }
+}
+
+}  // namespace
+}  // namespace tf::runtime
