@@ -360,6 +360,14 @@ tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixe
   });
 }
 
+tf_status tf_set_energy_balance(tf_simulation *simulation, int on) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
+    content.options.energyBalance = on != 0;
+    return TF_OK;
+  });
+}
+
 tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data) {
   return guarded(simulation, [&](Content &content) {
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));

@@ -52,6 +52,9 @@ typedef struct tf_statistics {
       events[TF_EVENT_COUNT];
   long long cvode_steps, explicit_steps, step_steps;
   double worst_gap, worst_normal_force, worst_residual; /* over outputs: least gap, least normal force, largest contact residual */
+  double worst_constraint;                              /* over outputs: largest residual of a constraint or of its rate */
+  double worst_energy_error;     /* over outputs: error of the energy balance, relative to the largest energy (tf_set_energy_balance) */
+  int32_t redundant_constraints; /* constraint rows that follow from others, at the start */
 } tf_statistics;
 
 typedef struct tf_simulation tf_simulation;
@@ -84,6 +87,9 @@ tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance);
 tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator);
 /* Step integrator: number of Radau IIA stages 1..4 (0: chosen by tolerance) and a fixed step (0: error-controlled). */
 tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixed_step);
+/* Keeps account of work and losses (on != 0): the results energy.work, energy.frictionLoss and energy.impactLoss, NaN without it, and the
+ * balance's error in the statistics. It costs a few evaluations of the model in each step. Off at first. */
+tf_status tf_set_energy_balance(tf_simulation *simulation, int on);
 /* Called at every event, in order. */
 typedef void (*tf_event_callback)(void *data, const tf_event *event);
 tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data);

@@ -51,7 +51,7 @@ int evaluateJacobian(realtype time, N_Vector state, N_Vector rate, SUNMatrix mat
 int projectState(realtype time, N_Vector state, N_Vector correction, realtype /*epsilon*/, N_Vector /*error*/, void *data) {
   auto *problem = static_cast<Problem *>(data);
   N_VConst(0, correction);
-  if (problem->dynamics->rows().count() == 0)
+  if (!problem->dynamics->needsProjection())
     return 0;
   if (!problem->dynamics->evaluate(time, N_VGetArrayPointer(state), problem->rate.data()))
     return 1;

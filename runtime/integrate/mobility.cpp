@@ -14,9 +14,10 @@ constexpr double independence = 1e-6;
 }  // namespace
 
 Mobility::Mobility(int velocities, int constraints)
-    : nv_(velocities), nh_(constraints), mass_(velocities), jacobian_(velocities, constraints), response_(velocities, constraints),
-      inertia_(constraints, constraints), scale_(constraints), factor_(constraints), decomposition_(constraints, constraints),
-      redundant_(static_cast<std::size_t>(constraints)), work_(constraints), solution_(constraints) {
+    : nv_(velocities), nh_(constraints), rank_(constraints), mass_(velocities), jacobian_(velocities, constraints),
+      response_(velocities, constraints), inertia_(constraints, constraints), scale_(constraints), factor_(constraints),
+      decomposition_(constraints, constraints), redundant_(static_cast<std::size_t>(constraints)), work_(constraints),
+      solution_(constraints) {
   decomposition_.setThreshold(independence * independence);
 }
 

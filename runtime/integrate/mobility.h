@@ -42,7 +42,7 @@ private:
   void solve(Eigen::VectorXd &residual) const;
   void react(double *x) const;
 
-  int nv_, nh_, rank_ = 0;
+  int nv_, nh_, rank_;
   MassMatrix mass_;
   Eigen::MatrixXd jacobian_;  // nv × nh: Hᵀ with its columns scaled to unit length in the metric of M⁻¹
   Eigen::MatrixXd response_;  // nv × nh: M⁻¹ Hᵀ, scaled likewise

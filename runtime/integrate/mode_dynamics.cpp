@@ -18,11 +18,13 @@ bool allFinite(const double *values, int count) {
   return sum == 0;
 }
 
+bool allFinite(const std::vector<double> &values) { return allFinite(values.data(), static_cast<int>(values.size())); }
+
 }  // namespace
 
 ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
     : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
-      freeAcceleration_(evaluation.model().nv), change_(evaluation.model().nv), plus_(evaluation.stateSize()),
+      change_(evaluation.model().nv), constraintChange_(evaluation.model().nh), plus_(evaluation.stateSize()),
       minus_(evaluation.stateSize()), shifted_(evaluation.stateSize()) {}
 
 bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
@@ -94,8 +96,8 @@ bool ModeDynamics::prepare(double time, const double *state) {
   ++evaluations_;
   at_.setPoint(time, state);
   if (!at_.dynamics())
-    return fail(allFinite(at_.massMatrix.data(), static_cast<int>(at_.massMatrix.size())) ? EvaluationFailure::SingularMass
-                                                                                          : EvaluationFailure::NotFinite);
+    return fail(allFinite(at_.massMatrix) && allFinite(at_.constraintJacobian) ? EvaluationFailure::SingularMass
+                                                                               : EvaluationFailure::NotFinite);
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());
     rows_.assemble(at_, problem_.delassus, problem_);
@@ -106,7 +108,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
 }
 
 bool ModeDynamics::solveForces() {
-  at_.mobility.accelerate(at_.force.data(), nullptr, at_.acceleration.data());
+  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());
   if (rows_.count() == 0)
     return true;
   rows_.bias(at_, at_.acceleration.data(), problem_.bias);
@@ -137,8 +139,9 @@ void ModeDynamics::conditionRates(double *rates) {
   }
 }
 
-void ModeDynamics::response(const double *forceChange, const double *biasChange, const double *limitChange, double *accelerationChange) {
-  at_.mobility.accelerate(forceChange, nullptr, accelerationChange);
+void ModeDynamics::response(const double *forceChange, const double *constraintChange, const double *biasChange, const double *limitChange,
+                            double *accelerationChange) {
+  at_.mobility.accelerate(forceChange, constraintChange, accelerationChange);
   if (rows_.count() == 0)
     return;
   for (int i = 0; i < rows_.count(); ++i)
@@ -165,7 +168,7 @@ bool ModeDynamics::solveSliding() {
       std::vector<double> &column = minus_;
       for (int i = 0; i < model.nv; ++i)
         column[i] = at_.forceByStep[i * model.ns + sliding_[k]];
-      response(column.data(), nullptr, nullptr, change_.data());
+      response(column.data(), nullptr, nullptr, nullptr, change_.data());
       for (int s = 0; s < count; ++s) {
         const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(sliding_[s]) * nx + model.nq;
         double sum = 0;
@@ -237,22 +240,52 @@ void ModeDynamics::differenceJacobian(double time, const double *state, double *
   }
 }
 
+// d q'/d y_k
+void ModeDynamics::kinematicColumn(int k, double *column) const {
+  const tf_model &model = at_.model();
+  const int velocity = k - model.nq;
+  if (velocity >= model.nv)
+    return;
+  if (model.kinematics == nullptr) {
+    if (velocity >= 0)
+      column[velocity] = 1;
+    return;
+  }
+  for (int i = 0; i < model.nq; ++i)
+    column[i] = velocity < 0 ? at_.kinematicsByCoordinate[i * model.nq + k] : at_.kinematicMatrix[i * model.nv + velocity];
+}
+
+void ModeDynamics::solveMultipliers() {
+  const tf_model &model = at_.model();
+  if (model.nh == 0)
+    return;
+  std::copy(at_.force.begin(), at_.force.end(), change_.begin());
+  if (rows_.count() > 0)
+    rows_.addForces(forces_.forces().data(), change_.data());
+  at_.mobility.multipliers(change_.data(), at_.constraintBias.data(), at_.multiplier.data());
+}
+
 bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
   const tf_model &model = at_.model();
   const int n = size();
   const int nx = at_.columns();
   std::fill_n(matrix, n * n, 0.0);
   // Second derivatives of the conditions are not part of a compiled model.
-  if (!sliding_.empty() || model.kinematics != nullptr) {
+  if (!sliding_.empty()) {
     differenceJacobian(time, state, matrix);
     return true;
   }
+  solveMultipliers();
   at_.dynamicsDerivatives(mask_.data());
+  at_.kinematicsDerivatives();
   const int normals = rows_.normalCount();
-  std::vector<double> forceChange(model.nv), biasChange(rows_.count()), limitChange(rows_.tangents().size()), column(model.nv);
+  std::vector<double> forceChange(model.nv), constraintChange(model.nh), biasChange(rows_.count()), limitChange(rows_.tangents().size()),
+      column(model.nv);
   for (int k = 0; k < n - 1; ++k) {
     for (int i = 0; i < model.nv; ++i)
       forceChange[i] = -at_.residualByState[i * nx + k];
+    for (int i = 0; i < model.nh; ++i)
+      constraintChange[i] = at_.constraintByState[i * nx + k];
     for (int i = 0; i < rows_.count(); ++i)
       biasChange[i] =
           i < normals ? at_.normalByState[rows_.contacts()[i] * nx + k] : at_.tangentByState[rows_.tangents()[i - normals] * nx + k];
@@ -261,13 +294,12 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
       limitChange[j] = owner >= 0 ? at_.frictionByState[rows_.contacts()[owner] * nx + k] * closedForce_[owner]
                                   : at_.boundByState[rows_.tangents()[j] * nx + k];
     }
-    response(forceChange.data(), biasChange.data(), limitChange.data(), column.data());
+    response(forceChange.data(), constraintChange.data(), biasChange.data(), limitChange.data(), column.data());
     double *target = matrix + static_cast<std::ptrdiff_t>(k) * n;
     std::copy(column.begin(), column.end(), target + model.nq);
     for (int i = 0; i < model.nz; ++i)
       target[model.nq + model.nv + i] = at_.stateRateByState[i * nx + k];
-    if (k >= model.nq && k < model.nq + model.nv)
-      target[k - model.nq] = 1;
+    kinematicColumn(k, target);
   }
   return allFinite(matrix, n * n);
 }
@@ -277,6 +309,7 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   const tf_model &model = at_.model();
   const int nx = at_.columns();
   const std::vector<std::uint8_t> all(mask_.size(), 1);
+  solveMultipliers();
   at_.dynamicsDerivatives(all.data());
   std::vector<double> direction(rate, rate + model.nq + model.nv + model.nz);
   direction.insert(direction.end(), at_.inputRate.begin(), at_.inputRate.end());
@@ -290,7 +323,10 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   std::vector<double> jerk(model.nv);
   for (int i = 0; i < model.nv; ++i)
     jerk[i] = -along(at_.residualByState, i);
-  at_.mobility.accelerate(jerk.data(), nullptr, jerk.data());
+  std::vector<double> constraintChange(model.nh);
+  for (int i = 0; i < model.nh; ++i)
+    constraintChange[i] = along(at_.constraintByState, i);
+  at_.mobility.accelerate(jerk.data(), constraintChange.data(), jerk.data());
   const int normals = rows.normalCount();
   for (int i = 0; i < rows.count(); ++i)
     accelerationRate[i] = rows.product(i, jerk.data()) + (i < normals ? along(at_.normalByState, rows.contacts()[i])
@@ -301,6 +337,29 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
     frictionRate[j] = owner[row] >= 0 ? along(at_.frictionByState, owner[row]) : 0;
     boundRate[j] = owner[row] < 0 ? along(at_.boundByState, row) : 0;
   }
+}
+
+double ModeDynamics::frictionPower() {
+  double power = 0;
+  if (rows_.tangents().empty())
+    return power;
+  at_.switching(ModelEvaluation::Slips);
+  for (const int row : rows_.tangents())
+    power += at_.tangentForce[row] * at_.slip[row];
+  return power;
+}
+
+double ModeDynamics::reactionPower() {
+  const tf_model &model = at_.model();
+  const double *velocities = at_.velocities();
+  double power = 0;
+  for (int i = 0; i < rows_.count(); ++i)
+    power += forces_.forces()[i] * rows_.product(i, velocities);
+  solveMultipliers();
+  for (int row = 0; row < model.nh; ++row)
+    for (int k = 0; k < model.nv; ++k)
+      power += at_.multiplier[row] * at_.constraintJacobian[row * model.nv + k] * velocities[k];
+  return power;
 }
 
 void ModeDynamics::buildGuards() {
@@ -419,31 +478,78 @@ void ModeDynamics::correct(double *target) {
   rows_.accelerate(cgX_.data(), target);
 }
 
-double ModeDynamics::project(double *state, const double *scale) {
-  const int rows = rows_.count();
-  if (rows == 0)
-    return 0;
+bool ModeDynamics::needsProjection() const {
   const tf_model &model = at_.model();
-  const int normals = rows_.normalCount();
-  at_.setPoint(at_.time(), state);
-  at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
-  std::copy_n(state, model.nq + model.nv, shifted_.begin());
-  for (int i = 0; i < rows; ++i) {
-    correctedRows_[i] = i < normals;
-    cgR_[i] = i < normals ? -at_.gap[rows_.contacts()[i]] : 0;
+  return rows_.count() > 0 || model.nh > 0 || model.nr > 0;
+}
+
+// Newton's method with the rows of the last evaluation: its error after one correction is the product of the correction and the change of
+// the rows.
+void ModeDynamics::projectCoordinates(double *state) {
+  const tf_model &model = at_.model();
+  constexpr int mostCorrections = 5;
+  constexpr double rounding = 1e-14;
+  double previous = std::numeric_limits<double>::infinity();
+  for (int correction = 0; correction < mostCorrections; ++correction) {
+    double worst = 0;
+    std::fill(change_.begin(), change_.end(), 0.0);
+    if (model.nh > 0) {
+      at_.constraintResiduals();
+      for (int k = 0; k < model.nk; ++k)
+        for (int row = model.constraints[k].row_first; row < model.constraints[k].row_first + model.constraints[k].row_count; ++row) {
+          constraintChange_[row] = model.constraints[k].holonomic ? -at_.residual[row] : 0;
+          worst = std::max(worst, std::abs(constraintChange_[row]) / model.constraints[k].nominal);
+        }
+      at_.mobility.correct(constraintChange_.data(), change_.data());
+    }
+    if (rows_.count() > 0)
+      at_.switching(ModelEvaluation::Gaps);
+    for (int i = 0; i < rows_.count(); ++i) {
+      const bool isNormal = i < rows_.normalCount();
+      correctedRows_[i] = isNormal;
+      cgR_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - rows_.product(i, change_.data()) : 0;
+      if (isNormal)
+        worst = std::max(worst, std::abs(cgR_[i]) / model.contacts[rows_.contacts()[i]].nominal);
+    }
+    const bool normalises = correction == 0 && model.nr > 0;
+    if ((worst <= rounding || worst > 0.5 * previous) && !normalises)
+      return;
+    previous = worst;
+    correct(change_.data());
+    at_.moveCoordinates(state, change_.data());
   }
-  correct(state);
-  // Velocities are corrected where the position is now.
-  double moved = 0;
-  for (int k = 0; k < model.nq; ++k)
-    moved = std::max(moved, std::abs(state[k] - shifted_[k]) / scale[k]);
-  if (moved > 1e-14)
+}
+
+void ModeDynamics::projectVelocities(double *velocities) {
+  const tf_model &model = at_.model();
+  std::fill(change_.begin(), change_.end(), 0.0);
+  if (model.nh > 0) {
+    at_.constraintResiduals();
+    for (int row = 0; row < model.nh; ++row)
+      constraintChange_[row] = -at_.residualRate[row];
+    at_.mobility.correct(constraintChange_.data(), change_.data());
+  }
+  const int rows = rows_.count(), normals = rows_.normalCount();
+  if (rows > 0)
     at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
   for (int i = 0; i < rows; ++i) {
     correctedRows_[i] = i < normals || contactMode_.slip[i - normals] == 0;
-    cgR_[i] = !correctedRows_[i] ? 0 : i < normals ? -at_.gapRate[rows_.contacts()[i]] : -at_.slip[rows_.tangents()[i - normals]];
+    const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : at_.slip[rows_.tangents()[i - normals]];
+    cgR_[i] = correctedRows_[i] ? -rate - rows_.product(i, change_.data()) : 0;
   }
-  correct(state + model.nq);
+  correct(change_.data());
+  for (int i = 0; i < model.nv; ++i)
+    velocities[i] += change_[i];
+}
+
+double ModeDynamics::project(double *state, const double *scale) {
+  if (!needsProjection())
+    return 0;
+  const tf_model &model = at_.model();
+  at_.setPoint(at_.time(), state);
+  std::copy_n(state, model.nq + model.nv, shifted_.begin());
+  projectCoordinates(state);
+  projectVelocities(state + model.nq);
   double size = 0;
   for (int k = 0; k < model.nq + model.nv; ++k)
     size = std::max(size, std::abs(state[k] - shifted_[k]) / scale[k]);

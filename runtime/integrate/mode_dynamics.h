@@ -55,6 +55,14 @@ public:
   // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point.
   bool jacobian(double time, const double *state, double *matrix);
 
+  // Multipliers of the constraints, into model(), at the last evaluation's point.
+  void solveMultipliers();
+
+  // At the last evaluation's point: power of friction forces on the slips (≤ 0), and of all contact, friction and constraint forces on the
+  // motion; they differ where boundaries move.
+  double frictionPower();
+  double reactionPower();
+
   // d/dt of the accelerations at fixed contact forces along the motion, for the rows of `rows` (of the same point): derivative of gap'' and
   // slip'' [rows], friction coefficients and bounds [tangents of rows]. `rate` is dy/dt.
   void accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate,
@@ -69,9 +77,10 @@ public:
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
 
-  // Moves (q, v) onto gap = 0, gap rate = 0 and slip = 0 of the active rows, in the metric of M; the point must be the last evaluation's.
-  // Returns the size of the correction relative to `scale` [n].
+  // Moves (q, v) onto gap = 0, gap rate = 0 and slip = 0 of the active rows and onto the constraints, in the metric of M, and quaternions
+  // to unit length; the point must be the last evaluation's. Returns the size of the correction relative to `scale` [n].
   double project(double *state, const double *scale);
+  [[nodiscard]] bool needsProjection() const;
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }
@@ -82,11 +91,15 @@ private:
   [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
   bool solveSliding();
-  // Change of acceleration for a change of f and of the rows' bias and limits, at fixed D.
-  void response(const double *forceChange, const double *biasChange, const double *limitChange, double *accelerationChange);
+  // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D.
+  void response(const double *forceChange, const double *constraintChange, const double *biasChange, const double *limitChange,
+                double *accelerationChange);
+  void kinematicColumn(int k, double *column) const;
   void conditionRates(double *rates);
   // target += W Jᵀ x with D x = cgR_ on the rows marked in correctedRows_.
   void correct(double *target);
+  void projectCoordinates(double *state);
+  void projectVelocities(double *velocities);
   void differenceJacobian(double time, const double *state, double *matrix);
   bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
@@ -107,7 +120,7 @@ private:
   long long evaluations_ = 0;
   bool starting_ = false;
   // workspaces
-  std::vector<double> freeAcceleration_, change_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
+  std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
   std::vector<double> cgX_, cgR_, cgP_, cgQ_;
   std::vector<std::uint8_t> correctedRows_;
   Eigen::MatrixXd slidingMatrix_;

@@ -1,6 +1,7 @@
 #include "runtime/integrate/model_evaluation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tf::runtime {
 
@@ -11,12 +12,14 @@ std::vector<double> array(int rows, int columns = 1) { return std::vector<double
 }  // namespace
 
 ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inputs)
-    : mobility(model.nv, 0), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)),
+    : mobility(model.nv, model.nh), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)),
       gap(array(model.nc)), gapRate(array(model.nc)), slip(array(model.nt)), condition(array(model.ns)), normal(array(model.nc, model.nv)),
       normalBias(array(model.nc)), tangent(array(model.nt, model.nv)), tangentBias(array(model.nt)), friction(array(model.nc)),
-      bound(array(model.nt)), rate(array(model.nc)), restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)),
+      bound(array(model.nt)), residual(array(model.nh)), residualRate(array(model.nh)), constraintJacobian(array(model.nh, model.nv)),
+      constraintBias(array(model.nh)), rate(array(model.nc)), restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)),
       stateRateByStep(array(model.nz, model.ns)), input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)),
-      acceleration(array(model.nv)), normalForce(array(model.nc)), tangentForce(array(model.nt)), model_(&model), inputs_(&inputs) {
+      acceleration(array(model.nv)), normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)),
+      model_(&model), inputs_(&inputs) {
   const int nx = columns();
   conditionGradient = array(model.ns, nx);
   residualByState = array(model.nv, nx);
@@ -25,6 +28,12 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
   tangentByState = array(model.nt, nx);
   frictionByState = array(model.nc, nx);
   boundByState = array(model.nt, nx);
+  constraintByState = array(model.nh, nx);
+  if (model.kinematics != nullptr) {
+    kinematicMatrix = array(model.nq, model.nv);
+    kinematicsByCoordinate = array(model.nq, model.nq);
+    coordinateChange_ = array(model.nq);
+  }
   in_[TF_IN_TIME] = &time_;
   in_[TF_IN_U] = input.data();
   in_[TF_IN_ALPHA] = stepVariable.data();
@@ -32,6 +41,7 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
   in_[TF_IN_NORMAL] = normalForce.data();
   in_[TF_IN_TANGENT] = tangentForce.data();
   in_[TF_IN_ZDOT] = stateRate.data();
+  in_[TF_IN_MULTIPLIER] = multiplier.data();
 }
 
 bool ModelEvaluation::setParameters(const double *parameters) {
@@ -63,7 +73,12 @@ void ModelEvaluation::setPoint(double time, const double *state) {
 
 bool ModelEvaluation::dynamics() {
   forces();
-  return model_->mass_is_constant != 0 || model_->nv == 0 || mobility.setMass(massMatrix.data());
+  if (model_->mass_is_constant == 0 && model_->nv > 0 && !mobility.setMass(massMatrix.data()))
+    return false;
+  if (model_->nh == 0)
+    return true;
+  constraintRows();
+  return mobility.setConstraints(constraintJacobian.data());
 }
 
 void ModelEvaluation::forces() {
@@ -88,6 +103,22 @@ void ModelEvaluation::contactParameters() {
   model_->contact_parameters(in_, out, nullptr);
 }
 
+void ModelEvaluation::constraintResiduals() {
+  if (model_->nh == 0)
+    return;
+  const std::uint8_t mask[] = {1, 0};
+  double *const out[] = {residual.data(), residualRate.data(), constraintJacobian.data(), constraintBias.data()};
+  model_->constraint_terms(in_, out, mask);
+}
+
+void ModelEvaluation::constraintRows() {
+  if (model_->nh == 0)
+    return;
+  const std::uint8_t mask[] = {0, 1};
+  double *const out[] = {residual.data(), residualRate.data(), constraintJacobian.data(), constraintBias.data()};
+  model_->constraint_terms(in_, out, mask);
+}
+
 void ModelEvaluation::switchGradients(const std::uint8_t *mask) {
   double *const out[] = {conditionGradient.data()};
   model_->switch_gradients(in_, out, mask);
@@ -99,8 +130,8 @@ void ModelEvaluation::stepDerivatives() {
 }
 
 void ModelEvaluation::dynamicsDerivatives(const std::uint8_t *mask) {
-  double *const out[] = {residualByState.data(), stateRateByState.data(), normalByState.data(),
-                         tangentByState.data(),  frictionByState.data(),  boundByState.data()};
+  double *const out[] = {residualByState.data(), stateRateByState.data(), normalByState.data(),    tangentByState.data(),
+                         frictionByState.data(), boundByState.data(),     constraintByState.data()};
   model_->dynamics_derivatives(in_, out, mask);
 }
 
@@ -111,6 +142,33 @@ void ModelEvaluation::kinematics(double *qDot) const {
   }
   double *const out[] = {qDot};
   model_->kinematics(in_, out, nullptr);
+}
+
+void ModelEvaluation::kinematicsDerivatives() {
+  if (model_->kinematics == nullptr)
+    return;
+  double *const out[] = {kinematicMatrix.data(), kinematicsByCoordinate.data()};
+  model_->kinematics_derivatives(in_, out, nullptr);
+}
+
+void ModelEvaluation::moveCoordinates(double *state, const double *change) {
+  if (model_->kinematics == nullptr) {
+    for (int i = 0; i < model_->nq; ++i)
+      state[i] += change[i];
+    return;
+  }
+  const double *const velocities = in_[TF_IN_V];
+  in_[TF_IN_V] = change;
+  kinematics(coordinateChange_.data());
+  in_[TF_IN_V] = velocities;
+  for (int i = 0; i < model_->nq; ++i)
+    state[i] += coordinateChange_[i];
+  for (int r = 0; r < model_->nr; ++r) {
+    double *quaternion = state + model_->quaternions[r];
+    const double length = std::hypot(std::hypot(quaternion[0], quaternion[1]), std::hypot(quaternion[2], quaternion[3]));
+    for (int k = 0; k < 4; ++k)
+      quaternion[k] /= length;
+  }
 }
 
 void ModelEvaluation::evaluateOutputs(double *values) {

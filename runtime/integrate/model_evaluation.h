@@ -24,7 +24,7 @@ public:
   // The state [stateSize()] must stay where it is until the functions have been called.
   void setPoint(double time, const double *state);
 
-  // M, f, z' and the factor of M. False: M is not positive definite.
+  // M, f, z', the rows of the constraints and the mobility. False: M is not positive definite, or H not finite.
   bool dynamics();
   // f and z' for new step variables at the same point.
   void forces();
@@ -33,17 +33,28 @@ public:
   // mask [nc + nf]
   void contactTerms(const std::uint8_t *mask);
   void contactParameters();
+  // Residuals and their rates.
+  void constraintResiduals();
+  // H and bias
+  void constraintRows();
   // mask [ns]
   void switchGradients(const std::uint8_t *mask);
   void stepDerivatives();
   // At the accelerations and forces in `acceleration`, `normalForce`, `tangentForce`; mask [nc + nf].
   void dynamicsDerivatives(const std::uint8_t *mask);
   void kinematics(double *qDot) const;
+  // kinematicMatrix (N) and kinematicsByCoordinate; nothing to do where q' = v.
+  void kinematicsDerivatives();
+  // Moves the coordinates in `state` along N(q) v, which may be any change of the velocities' kind; quaternions stay of unit length.
+  void moveCoordinates(double *state, const double *change);
   void evaluateOutputs(double *values);
+  // At `acceleration`.
   void energies(double &kinetic, double &potential, double &power);
 
   [[nodiscard]] const tf_model &model() const { return *model_; }
   [[nodiscard]] int stateSize() const { return model_->nq + model_->nv + model_->nz + 1; }
+  // Number of tau in the state.
+  [[nodiscard]] int tauIndex() const { return stateSize() - 1; }
   [[nodiscard]] int columns() const { return model_->nq + model_->nv + model_->nz + model_->nu + 1; }
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
   [[nodiscard]] double time() const { return time_; }
@@ -52,18 +63,22 @@ public:
   std::vector<double> massMatrix, force, stateRate;                               // dynamics
   std::vector<double> gap, gapRate, slip, condition;                              // switching
   std::vector<double> normal, normalBias, tangent, tangentBias, friction, bound;  // contactTerms
+  std::vector<double> residual, residualRate;                                     // constraintResiduals
+  std::vector<double> constraintJacobian, constraintBias;                         // constraintRows
+  std::vector<double> kinematicMatrix, kinematicsByCoordinate;                    // kinematicsDerivatives
   std::vector<double> rate, restitution;                                          // contactParameters
   std::vector<double> conditionGradient;                                          // switchGradients
   std::vector<double> forceByStep, stateRateByStep;                               // stepDerivatives
-  std::vector<double> residualByState, stateRateByState, normalByState, tangentByState, frictionByState,
-      boundByState;  // dynamicsDerivatives
+  std::vector<double> residualByState, stateRateByState, normalByState, tangentByState, frictionByState, boundByState,
+      constraintByState;  // dynamicsDerivatives
   // Arguments that others fill in.
-  std::vector<double> input, inputRate, stepVariable, acceleration, normalForce, tangentForce;
+  std::vector<double> input, inputRate, stepVariable, acceleration, normalForce, tangentForce, multiplier;
 
 private:
   const tf_model *model_;
   const InputSignals *inputs_;
   const double *in_[TF_IN_COUNT] = {};
+  std::vector<double> coordinateChange_;
   double time_ = 0, segment_ = 0;
   bool constantInputs_ = false;
 };

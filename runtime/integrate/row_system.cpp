@@ -68,6 +68,12 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
       acceleration[k] += mobility_[i * nv_ + k] * forces[i];
 }
 
+void RowSystem::addForces(const double *forces, double *target) const {
+  for (int i = 0; i < count(); ++i)
+    for (int k = 0; k < nv_; ++k)
+      target[k] += jacobian_[i * nv_ + k] * forces[i];
+}
+
 double RowSystem::product(int row, const double *x) const {
   double sum = 0;
   for (int k = 0; k < nv_; ++k)

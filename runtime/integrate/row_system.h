@@ -20,6 +20,8 @@ public:
   void bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const;
   // acceleration += W Jᵀ forces
   void accelerate(const double *forces, double *acceleration) const;
+  // target += Jᵀ forces
+  void addForces(const double *forces, double *target) const;
   // J_i · x
   [[nodiscard]] double product(int row, const double *x) const;
 

@@ -34,6 +34,26 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
     problem_.slipVelocity[j] = at_.slip[tangents[j]];
 }
 
+// Impulse times velocity of the boundary: what the row's velocity J v lacks of its rate, and H v of zero.
+void Impact::measureWork(const double *impulse, const double *velocities) {
+  const tf_model &model = at_.model();
+  const int normals = rows_.normalCount();
+  boundaryWork_ = 0;
+  for (int i = 0; i < rows_.count(); ++i) {
+    const double rate = i < normals ? problem_.normalVelocity[i] : problem_.slipVelocity[i - normals];
+    boundaryWork_ += impulse[i] * (rows_.product(i, velocities) - rate);
+  }
+  if (model.nh == 0)
+    return;
+  impulse_.assign(model.nv, 0.0);
+  multiplier_.assign(model.nh, 0.0);
+  rows_.addForces(impulse, impulse_.data());
+  at_.mobility.multipliers(impulse_.data(), multiplier_.data(), multiplier_.data());
+  for (int row = 0; row < model.nh; ++row)
+    for (int k = 0; k < model.nv; ++k)
+      boundaryWork_ += multiplier_[row] * at_.constraintJacobian[row * model.nv + k] * velocities[k];
+}
+
 bool Impact::apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse) {
   const tf_model &model = at_.model();
   assemble(time, state, contacts);
@@ -55,8 +75,9 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
                 : fmt::format("the impact of {} has no continuation that could be found", names);
     return false;
   }
+  measureWork(result.impulse.data(), state + model.nq);
   rows_.accelerate(result.impulse.data(), state + model.nq);
-  state[at_.stateSize() - 1] += result.duration;
+  state[at_.tauIndex()] += result.duration;
   for (std::size_t i = 0; i < contacts.size(); ++i)
     normalImpulse[contacts[i]] += result.impulse[i];
   return true;

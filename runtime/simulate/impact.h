@@ -19,9 +19,12 @@ public:
   bool apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse);
 
   [[nodiscard]] const std::string &text() const { return text_; }
+  // Work that moving boundaries and time-dependent constraints did in the last impact.
+  [[nodiscard]] double boundaryWork() const { return boundaryWork_; }
   [[nodiscard]] int breakpoints() const { return breakpoints_; }
 
 private:
+  void measureWork(const double *impulse, const double *velocities);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
 
   ModelEvaluation &at_;
@@ -31,6 +34,8 @@ private:
   std::vector<std::uint8_t> mask_;
   std::string text_;
   int breakpoints_ = 0;
+  double boundaryWork_ = 0;
+  std::vector<double> impulse_, multiplier_;
 };
 
 }  // namespace tf::runtime

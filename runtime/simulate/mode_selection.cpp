@@ -125,7 +125,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   }
   at_.contactTerms(mask_.data());
   rows_.assemble(at_, problem_.delassus, problem_);
-  at_.mobility.accelerate(at_.force.data(), nullptr, freeAcceleration_.data());
+  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration_.data());
   rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_);
   worstViolation_ = std::max(worstViolation_, solution.violation);

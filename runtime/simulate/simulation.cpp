@@ -4,6 +4,8 @@
 #include "runtime/integrate/dormand_prince.h"
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/integrate/radau.h"
+#include "runtime/simulate/constrained_start.h"
+#include "runtime/simulate/energy_balance.h"
 #include "runtime/simulate/event_detection.h"
 #include "runtime/simulate/impact.h"
 #include "runtime/simulate/mode_selection.h"
@@ -71,6 +73,7 @@ public:
   std::unique_ptr<SmoothIntegrator> primary_, fallback_;
   SmoothIntegrator *integrator_ = nullptr;
   std::unique_ptr<EventDetection> detection_;
+  std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
 
 private:
   struct Transition {
@@ -187,7 +190,7 @@ tf_status Simulation::Implementation::failEvaluation() {
   case EvaluationFailure::SingularMass: {
     const int row = std::max(at_.mobility.mass().failedRow(), 0);
     return fail(fmt::format("the mass matrix is singular at t = {:.10g}: no inertia acts on '{}'", time,
-                            instance_.nameOf(TF_KIND_COORDINATE, row)));
+                            instance_.nameOf(model_.nq == model_.nv ? TF_KIND_COORDINATE : TF_KIND_VELOCITY, row)));
   }
   case EvaluationFailure::SingularContact:
     return fail(fmt::format("the contact forces have no solution at t = {:.10g}", time));
@@ -263,7 +266,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   std::copy(starts.q.begin(), starts.q.end(), state_.begin());
   std::copy(starts.v.begin(), starts.v.end(), state_.begin() + model_.nq);
   std::copy(starts.z.begin(), starts.z.end(), state_.begin() + model_.nq + model_.nv);
-  state_[n_ - 1] = startTime;
+  state_[at_.tauIndex()] = startTime;
   inputs_.setDefaults(starts.u);
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
@@ -280,13 +283,23 @@ tf_status Simulation::Implementation::initialise(double startTime) {
                                                           : instance_.nameOf(TF_KIND_STATE, i - model_.nq - model_.nv),
                               nameOfNonFinite(state_[i])));
   if (!at_.setParameters(parameters_.data()))
-    return fail(fmt::format("the mass matrix is singular: no inertia acts on '{}'",
-                            instance_.nameOf(TF_KIND_COORDINATE, std::max(at_.mobility.mass().failedRow(), 0))));
+    return fail(fmt::format(
+        "the mass matrix is singular: no inertia acts on '{}'",
+        instance_.nameOf(model_.nq == model_.nv ? TF_KIND_COORDINATE : TF_KIND_VELOCITY, std::max(at_.mobility.mass().failedRow(), 0))));
   enterSegment();
   if (const tf_status status = checkSupported(); status != TF_OK)
     return status;
+  if (std::string text = ConstrainedStart(at_).solve(time_, state_.data()); !text.empty())
+    return fail(std::move(text));
   if (const tf_status status = checkStart(); status != TF_OK)
     return status;
+  energy_.reset();
+  values_.setEnergyBalance(nullptr);
+  if (owner_.options.energyBalance) {
+    energy_ = std::make_unique<EnergyBalance>(dynamics_);
+    energy_->start(time_, state_.data());
+    values_.setEnergyBalance(energy_.get());
+  }
   makeIntegrators();
   // The state of the variables before an impact at the start time needs a mode: all contacts open.
   std::vector<Transition> transitions;
@@ -300,6 +313,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   }
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
+  statistics_.redundant_constraints = model_.nh - at_.mobility.rank();
   if (impact)
     report(transitions);
   return TF_OK;
@@ -344,8 +358,13 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
 tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
   const std::vector<int> contacts = selection_.touching(time_, state_.data(), false);
   const std::vector<int> approaching = selection_.touching(time_, state_.data(), true);
+  std::vector<double> incoming;
+  if (energy_)
+    incoming = state_;
   if (!impact_.apply(time_, state_.data(), contacts, forced, impulse_.data()))
     return fail(fmt::format("{} at t = {:.10g}", impact_.text(), time_));
+  if (energy_)
+    energy_->addImpact(time_, incoming.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
   for (int i : approaching)
@@ -397,7 +416,7 @@ void Simulation::Implementation::report(const std::vector<Transition> &transitio
   for (const Transition &transition : transitions) {
     ++statistics_.events[transition.kind];
     if (owner_.onEvent) {
-      const tf_event event = {time_, state_[n_ - 1], transition.kind, transition.element, before_.data(), state_.data()};
+      const tf_event event = {time_, state_[at_.tauIndex()], transition.kind, transition.element, before_.data(), state_.data()};
       owner_.onEvent(event);
     }
   }
@@ -416,6 +435,8 @@ void Simulation::Implementation::countStep() {
 void Simulation::Implementation::commit() {
   if (integrator_->endTime() > time_)
     eventsHere_ = 0;
+  if (energy_)
+    energy_->addStep(*integrator_);
   time_ = integrator_->endTime();
   std::copy_n(integrator_->end(), n_, state_.begin());
   std::copy_n(integrator_->endRate(), n_, rate_.begin());
@@ -424,7 +445,10 @@ void Simulation::Implementation::commit() {
 
 tf_status Simulation::Implementation::timeEvent() {
   beginEvent();
+  const double potential = energy_ ? energy_->energyAt(time_, state_.data()).potential : 0;
   enterSegment();
+  if (energy_)
+    energy_->addJump(energy_->energyAt(time_, state_.data()).potential - potential);
   std::vector<Transition> transitions = {{TF_EVENT_TIME, -1}};
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
@@ -529,6 +553,11 @@ tf_status Simulation::Implementation::advanceTo(double time) {
 
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
+  if (energy_)
+    statistics_.worst_energy_error = std::max(statistics_.worst_energy_error, energy_->error(time_, state_.data()));
+  at_.constraintResiduals();
+  for (int row = 0; row < model_.nh; ++row)
+    statistics_.worst_constraint = std::max({statistics_.worst_constraint, std::abs(at_.residual[row]), std::abs(at_.residualRate[row])});
   for (int i = 0; i < model_.nc; ++i) {
     statistics_.worst_gap = std::min(statistics_.worst_gap, at_.gap[i]);
     statistics_.worst_normal_force = std::min(statistics_.worst_normal_force, at_.normalForce[i]);
@@ -537,8 +566,8 @@ void Simulation::Implementation::values(double *all) {
 
 // time, state, rate-independent numbers, impulses, mode
 std::size_t Simulation::Implementation::stateSize() const {
-  return (3 + static_cast<std::size_t>(n_) + impulse_.size()) * sizeof(double) + static_cast<std::size_t>(model_.nc) + model_.nt +
-         model_.ns;
+  return (3 + static_cast<std::size_t>(n_) + impulse_.size()) * sizeof(double) + sizeof(EnergyTotals) +
+         static_cast<std::size_t>(model_.nc) + model_.nt + model_.ns;
 }
 
 void Simulation::Implementation::save(void *buffer) {
@@ -552,6 +581,8 @@ void Simulation::Implementation::save(void *buffer) {
   write(numbers, sizeof numbers);
   write(state_.data(), state_.size() * sizeof(double));
   write(impulse_.data(), impulse_.size() * sizeof(double));
+  const EnergyTotals totals = energy_ ? energy_->totals() : EnergyTotals{};
+  write(&totals, sizeof totals);
   write(mode_.closed.data(), mode_.closed.size());
   write(mode_.tangent.data(), mode_.tangent.size());
   write(mode_.switches.data(), mode_.switches.size());
@@ -574,6 +605,10 @@ void Simulation::Implementation::restore(const void *buffer) {
   eventsHere_ = static_cast<int>(numbers[2]);
   read(state_.data(), state_.size() * sizeof(double));
   read(impulse_.data(), impulse_.size() * sizeof(double));
+  EnergyTotals totals;
+  read(&totals, sizeof totals);
+  if (energy_)
+    energy_->restore(totals);
   mode_.switches.resize(model_.ns);
   read(mode_.closed.data(), mode_.closed.size());
   read(mode_.tangent.data(), mode_.tangent.size());

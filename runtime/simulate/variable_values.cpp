@@ -3,12 +3,21 @@
 #include "runtime/contact/time_speed.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace tf::runtime {
 
 VariableValues::VariableValues(ModeDynamics &dynamics)
     : dynamics_(dynamics), owner_(contactsOfTangents(dynamics.model().model())), rate_(dynamics.size()),
-      outputs_(dynamics.model().model().no) {}
+      outputs_(dynamics.model().model().no) {
+  const tf_model &model = dynamics.model().model();
+  for (int k = 0; k < model.variable_count; ++k)
+    hasEnergies_ = hasEnergies_ || model.variables[k].kind == TF_KIND_KINETIC_ENERGY;
+}
+
+double VariableValues::energyTotal(double EnergyTotals::*total) const {
+  return energy_ != nullptr ? energy_->totals().*total : std::numeric_limits<double>::quiet_NaN();
+}
 
 // (1 − α1)(1 − α2) = λ_n β / a_n (theory.md section 2).
 double VariableValues::push(int contact) const {
@@ -81,12 +90,17 @@ double VariableValues::value(const tf_variable &variable, double time, const dou
   case TF_KIND_THETA_FORWARD:
     return owner_[i] < 0 ? 0 : push(owner_[i]) * (1 - slipStep(i));
   case TF_KIND_MULTIPLIER:
+    return at.multiplier[i];
   case TF_KIND_KINETIC_ENERGY:
+    return kinetic_;
   case TF_KIND_POTENTIAL_ENERGY:
+    return potential_;
   case TF_KIND_FRICTION_LOSS:
+    return energyTotal(&EnergyTotals::frictionLoss);
   case TF_KIND_IMPACT_LOSS:
+    return energyTotal(&EnergyTotals::impactLoss);
   case TF_KIND_WORK:
-    break;
+    return energyTotal(&EnergyTotals::work);
   }
   return 0;
 }
@@ -97,6 +111,11 @@ bool VariableValues::evaluate(double time, const double *state, const double *im
   const tf_model &model = at.model();
   at.setPoint(time, state);
   at.switching();
+  dynamics_.solveMultipliers();
+  if (hasEnergies_) {
+    double power = 0;
+    at.energies(kinetic_, potential_, power);
+  }
   if (model.no > 0)
     at.evaluateOutputs(outputs_.data());
   for (int k = 0; k < model.variable_count; ++k)

@@ -1,0 +1,63 @@
+#include "runtime/simulate/energy_balance.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// Gauss–Legendre quadrature with four points on [0, 1], order 8.
+constexpr std::array<double, 4> nodes = {0.069431844202973712, 0.330009478207571868, 0.669990521792428132, 0.930568155797026288};
+constexpr std::array<double, 4> weights = {0.173927422568726929, 0.326072577431273071, 0.326072577431273071, 0.173927422568726929};
+
+}  // namespace
+
+EnergyBalance::Energy EnergyBalance::energyAt(double time, const double *state) {
+  Energy energy;
+  dynamics_.model().setPoint(time, state);
+  dynamics_.model().energies(energy.kinetic, energy.potential, energy.power);
+  return energy;
+}
+
+void EnergyBalance::note(const Energy &energy) {
+  totals_.largest = std::max({totals_.largest, energy.kinetic, std::abs(energy.potential)});
+}
+
+void EnergyBalance::start(double time, const double *state) {
+  totals_ = {};
+  const Energy energy = energyAt(time, state);
+  totals_.start = energy.mechanical();
+  note(energy);
+}
+
+void EnergyBalance::addStep(SmoothIntegrator &integrator) {
+  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const double time = begin + nodes[k] * length;
+    integrator.interpolate(time, state_.data());
+    if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
+      continue;
+    const Energy energy = energyAt(time, state_.data());
+    const double friction = dynamics_.frictionPower();
+    totals_.frictionLoss -= weights[k] * length * friction;
+    totals_.work += weights[k] * length * (energy.power + dynamics_.reactionPower() - friction);
+    note(energy);
+  }
+}
+
+void EnergyBalance::addImpact(double time, const double *before, const double *after, double boundaryWork) {
+  const double change = energyAt(time, after).kinetic - energyAt(time, before).kinetic;
+  totals_.work += boundaryWork;
+  totals_.impactLoss += boundaryWork - change;
+}
+
+double EnergyBalance::error(double time, const double *state) {
+  const Energy energy = energyAt(time, state);
+  note(energy);
+  const double expected = totals_.start + totals_.work - totals_.frictionLoss - totals_.impactLoss;
+  return std::abs(energy.mechanical() - expected) / totals_.largest;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,53 @@
+// The energy balance of a run: kinetic + potential energy = start + work − losses. Work and the loss by friction are integrals along the
+// trajectory; impacts add theirs at once.
+#pragma once
+
+#include "runtime/integrate/smooth_integrator.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+// In units of energy, since the start of the run.
+struct EnergyTotals {
+  double frictionLoss = 0;  // −∫ λ_t · slip dt
+  double impactLoss = 0;
+  double work = 0;     // of applied forces, moving boundaries and time-dependent constraints
+  double start = 0;    // kinetic + potential energy at the start
+  double largest = 1;  // kinetic or potential energy seen so far
+};
+
+class EnergyBalance {
+public:
+  explicit EnergyBalance(ModeDynamics &dynamics) : dynamics_(dynamics), state_(dynamics.size()), rate_(dynamics.size()) {}
+
+  // The run begins at (time, state).
+  void start(double time, const double *state);
+  // Adds the integrals over the integrator's last step; the dynamics is left at a point inside it.
+  void addStep(SmoothIntegrator &integrator);
+  // Adds an impact from the velocities in `before` to those in `after`, with the work that moving boundaries did in it.
+  void addImpact(double time, const double *before, const double *after, double boundaryWork);
+
+  [[nodiscard]] const EnergyTotals &totals() const { return totals_; }
+  void restore(const EnergyTotals &totals) { totals_ = totals; }
+  // Inputs have jumped: what that did to the potential energy.
+  void addJump(double potentialChange) { totals_.work += potentialChange; }
+  // Kinetic and potential energy, power of applied forces.
+  struct Energy {
+    double kinetic = 0, potential = 0, power = 0;
+    [[nodiscard]] double mechanical() const { return kinetic + potential; }
+  };
+  Energy energyAt(double time, const double *state);
+
+  // |kinetic + potential − start − work + losses| at (time, state), relative to the largest energy that has been seen, at least 1.
+  double error(double time, const double *state);
+
+private:
+  void note(const Energy &energy);
+
+  ModeDynamics &dynamics_;
+  EnergyTotals totals_;
+  std::vector<double> state_, rate_;
+};
+
+}  // namespace tf::runtime
