@@ -63,7 +63,9 @@ Diagnostic &Parser::unexpected(std::string_view expected) {
   const std::size_t lineEnd = string.kind == TokenKind::String ? text(string).find_first_of("\r\n") : std::string_view::npos;
   if (!recovering_ && lineEnd != std::string_view::npos && !current().startsLine) {
     Diagnostic &diagnostic = fail(UnterminatedString, Span{file_, string.begin, string.begin + static_cast<std::uint32_t>(lineEnd)});
-    unreliableFrom_ = std::min(unreliableFrom_, string.begin);
+    // The string explains what follows only if it has been reported.
+    if (&diagnostic != &silent_)
+      unreliableFrom_ = std::min(unreliableFrom_, string.begin);
     return diagnostic;
   }
   return fail(UnexpectedToken, errorSpan(), expected, describe(current()));

@@ -453,16 +453,21 @@ void ModeDynamics::correct(double *target) {
   for (int i = 0; i < rows; ++i)
     norm += cgR_[i] * cgR_[i];
   const double first = norm;
+  double trace = 0;
+  for (int i = 0; i < rows; ++i)
+    trace += problem_.delassus(i, i);
   // Conjugate gradients: exact after as many iterations as D has rank, also where D is singular and the residual consistent.
   for (int iteration = 0; iteration < 2 * rows && norm > 1e-28 * first; ++iteration) {
-    double curvature = 0;
+    double curvature = 0, length = 0;
     for (int i = 0; i < rows; ++i) {
       cgQ_[i] = 0;
       for (int j = 0; correctedRows_[i] && j < rows; ++j)
         cgQ_[i] += problem_.delassus(i, j) * cgP_[j];
       curvature += cgP_[i] * cgQ_[i];
+      length += cgP_[i] * cgP_[i];
     }
-    if (!(curvature > 0))
+    // What is left is rounding that no motion of redundant rows can remove.
+    if (!(curvature > 1e-12 * trace * length))
       break;
     const double step = norm / curvature;
     double next = 0;
@@ -511,8 +516,7 @@ void ModeDynamics::projectCoordinates(double *state) {
       if (isNormal)
         worst = std::max(worst, std::abs(cgR_[i]) / model.contacts[rows_.contacts()[i]].nominal);
     }
-    const bool normalises = correction == 0 && model.nr > 0;
-    if ((worst <= rounding || worst > 0.5 * previous) && !normalises)
+    if (correction > 0 && (worst <= rounding || worst > 0.5 * previous))
       return;
     previous = worst;
     correct(change_.data());

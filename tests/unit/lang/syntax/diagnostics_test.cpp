@@ -265,6 +265,12 @@ TEST(SyntaxDiagnostics, ExamplesOfThePagesAreWrongAndRight) {
   EXPECT_GT(pages, 40);
 }
 
+TEST(SyntaxDiagnostics, AFileOfStrayBytesBehindAStringIsNotRight) {
+  using namespace std::string_literals;
+  const auto parsed = test::parse("model s\nq x\"\n\"\0x\xFF"s);
+  EXPECT_TRUE(parsed.diagnostics.hasErrors());
+}
+
 TEST(SyntaxDiagnostics, CodesAreUnique) {
   std::set<std::string> codes;
   for (const DiagnosticKind *kind : allKinds)

@@ -1,0 +1,127 @@
+#include "runtime/integrate/mobility.h"
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace tf::runtime {
+namespace {
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+struct System {
+  RowMajor mass, constraints;
+  Eigen::VectorXd force, bias;
+};
+
+System randomSystem(int velocities, int rows) {
+  const RowMajor root = RowMajor::Random(velocities, velocities);
+  return {root * root.transpose() + RowMajor::Identity(velocities, velocities), RowMajor::Random(rows, velocities),
+          Eigen::VectorXd::Random(velocities), Eigen::VectorXd::Random(rows)};
+}
+
+// [M −Hᵀ; H 0] (a, ν) = (f, −bias), least norm where it is not unique.
+Eigen::VectorXd saddlePoint(const System &system) {
+  const Eigen::Index n = system.mass.rows(), m = system.constraints.rows();
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n + m, n + m);
+  matrix.topLeftCorner(n, n) = system.mass;
+  matrix.topRightCorner(n, m) = -system.constraints.transpose();
+  matrix.bottomLeftCorner(m, n) = system.constraints;
+  Eigen::VectorXd right(n + m);
+  right << system.force, -system.bias;
+  return matrix.completeOrthogonalDecomposition().solve(right);
+}
+
+void load(Mobility &mobility, const System &system) {
+  ASSERT_TRUE(mobility.setMass(system.mass.data()));
+  ASSERT_TRUE(mobility.setConstraints(system.constraints.data()));
+}
+
+TEST(Mobility, AccelerationsAndMultipliersSolveTheSaddlePointSystem) {
+  const System system = randomSystem(6, 3);
+  Mobility mobility(6, 3);
+  load(mobility, system);
+  EXPECT_EQ(mobility.rank(), 3);
+  Eigen::VectorXd acceleration(6), multipliers(3);
+  mobility.accelerate(system.force.data(), system.bias.data(), acceleration.data());
+  mobility.multipliers(system.force.data(), system.bias.data(), multipliers.data());
+  const Eigen::VectorXd expected = saddlePoint(system);
+  EXPECT_LT((acceleration - expected.head(6)).norm(), 1e-12);
+  EXPECT_LT((multipliers - expected.tail(3)).norm(), 1e-12);
+}
+
+TEST(Mobility, ImpulsesDoNotMoveAgainstConstraints) {
+  const System system = randomSystem(5, 2);
+  Mobility mobility(5, 2);
+  load(mobility, system);
+  Eigen::VectorXd x = system.force;
+  mobility.apply(x.data(), x.data());
+  EXPECT_LT((system.constraints * x).norm(), 1e-13);
+  const RowMajor inverse = system.mass.inverse();
+  const RowMajor response = inverse * system.constraints.transpose();
+  const RowMajor expected = inverse - response * (system.constraints * response).inverse() * response.transpose();
+  EXPECT_LT((x - expected * system.force).norm(), 1e-12);
+}
+
+TEST(Mobility, RedundantRowsAreFoundAndChangeNothing) {
+  System system = randomSystem(6, 2);
+  Mobility independent(6, 2);
+  load(independent, system);
+  Eigen::VectorXd expected(6);
+  independent.accelerate(system.force.data(), system.bias.data(), expected.data());
+
+  System redundant = system;
+  redundant.constraints.resize(3, 6);
+  redundant.constraints << system.constraints.row(0), 1e3 * (system.constraints.row(0) - 2 * system.constraints.row(1)),
+      system.constraints.row(1);
+  redundant.bias.resize(3);
+  redundant.bias << system.bias[0], 1e3 * (system.bias[0] - 2 * system.bias[1]), system.bias[1];
+  Mobility mobility(6, 3);
+  load(mobility, redundant);
+  EXPECT_EQ(mobility.rank(), 2);
+  EXPECT_FALSE(mobility.isRedundant(0));
+  EXPECT_FALSE(mobility.isRedundant(1));
+  EXPECT_TRUE(mobility.isRedundant(2));
+  Eigen::VectorXd acceleration(6), multipliers(3);
+  mobility.accelerate(redundant.force.data(), redundant.bias.data(), acceleration.data());
+  EXPECT_LT((acceleration - expected).norm(), 1e-10);
+  mobility.multipliers(redundant.force.data(), redundant.bias.data(), multipliers.data());
+  EXPECT_LT((redundant.mass * acceleration - redundant.force - redundant.constraints.transpose() * multipliers).norm(), 1e-10);
+}
+
+TEST(Mobility, ARowThatVanishesHasNoForce) {
+  System system = randomSystem(4, 2);
+  system.constraints.row(1).setZero();
+  Mobility mobility(4, 2);
+  load(mobility, system);
+  EXPECT_EQ(mobility.rank(), 1);
+  Eigen::VectorXd multipliers(2);
+  mobility.multipliers(system.force.data(), system.bias.data(), multipliers.data());
+  EXPECT_EQ(multipliers[1], 0);
+}
+
+TEST(Mobility, CorrectionsAreLeastInTheMetricOfTheMass) {
+  const System system = randomSystem(5, 2);
+  Mobility mobility(5, 2);
+  load(mobility, system);
+  const Eigen::VectorXd wanted = Eigen::VectorXd::Random(2);
+  Eigen::VectorXd change = Eigen::VectorXd::Zero(5);
+  mobility.correct(wanted.data(), change.data());
+  EXPECT_LT((system.constraints * change - wanted).norm(), 1e-13);
+  // M · change is a combination of the rows of H.
+  Eigen::VectorXd along = change;
+  mobility.apply((system.mass * change).eval().data(), along.data());
+  EXPECT_LT(along.norm(), 1e-12);
+}
+
+TEST(Mobility, RefusesRowsThatAreNotFinite) {
+  System system = randomSystem(3, 1);
+  system.constraints(0, 1) = std::numeric_limits<double>::quiet_NaN();
+  Mobility mobility(3, 1);
+  ASSERT_TRUE(mobility.setMass(system.mass.data()));
+  EXPECT_FALSE(mobility.setConstraints(system.constraints.data()));
+}
+
+}  // namespace
+}  // namespace tf::runtime
