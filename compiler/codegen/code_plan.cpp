@@ -52,6 +52,7 @@ public:
 private:
   static std::vector<NodeId> rootsOf(const ir::Function &function) {
     std::vector<NodeId> roots;
+    roots.reserve(function.stores.size());
     for (const ir::Store &store : function.stores)
       roots.push_back(store.node);
     return roots;

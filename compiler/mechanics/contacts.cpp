@@ -88,6 +88,7 @@ void deriveContacts(Derivation &derivation) {
   deriveTangents(derivation);
   const std::vector<double> nominals = nominalsOf(system);
   std::vector<NodeId> gaps;
+  gaps.reserve(derivation.elements.contacts.size());
   for (const ContactEntry &entry : derivation.elements.contacts)
     gaps.push_back(entry.gap);
   const auto columns = static_cast<std::size_t>(system.nv);
