@@ -51,9 +51,12 @@ typedef struct tf_statistics {
   long long steps, rejected_steps, evaluations, jacobians, newton_iterations, contact_solves, frozen_phases, breakpoints,
       events[TF_EVENT_COUNT];
   long long cvode_steps, explicit_steps, step_steps;
-  double worst_gap, worst_normal_force, worst_residual; /* over outputs: least gap, least normal force, largest contact residual */
-  double worst_constraint;                              /* over outputs: largest residual of a constraint or of its rate */
-  double worst_energy_error;     /* over outputs: error of the energy balance, relative to the largest energy (tf_set_energy_balance) */
+  double worst_residual; /* of all contact problems, relative to their scale */
+  /* Over outputs, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without contacts), largest residual of
+   * a constraint or of its rate, largest error of the energy balance relative to the largest energy; and where and when. */
+  double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;
+  double worst_gap_time, worst_normal_force_time, worst_constraint_time, worst_energy_error_time;
+  int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;
   int32_t redundant_constraints; /* constraint rows that follow from others, at the start */
 } tf_statistics;
 
@@ -88,7 +91,8 @@ tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator)
 /* Step integrator: number of Radau IIA stages 1..4 (0: chosen by tolerance) and a fixed step (0: error-controlled). */
 tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixed_step);
 /* Keeps account of work and losses (on != 0): the results energy.work, energy.frictionLoss and energy.impactLoss, NaN without it, and the
- * balance's error in the statistics. It costs a few evaluations of the model in each step. Off at first. */
+ * balance's error in the statistics, where all worst values are then taken over all steps. It costs a few evaluations of the model in each
+ * step. Off at first. */
 tf_status tf_set_energy_balance(tf_simulation *simulation, int on);
 /* Called at every event, in order. */
 typedef void (*tf_event_callback)(void *data, const tf_event *event);

@@ -164,13 +164,16 @@ struct RunSyntax : Syntax {
     option("--events", events, "both|after", "rows of the result at an event: before and after it, or after it [both]");
     option("-o,--output", output, "FILE", "result: .csv or .json");
     option("--event-log", eventLog, "FILE.csv", "one row for each event");
+    app->add_flag("--check-invariants", checkInvariants,
+                  "report the worst penetration, normal force, constraint residual and energy balance; fail where one is too large")
+        ->disable_flag_override();
     app->add_flag("--quiet", quiet, "no summary, no progress")->disable_flag_override();
     app->add_flag("--verbose", verbose, "more about the run: every event, the integrator's work")->disable_flag_override();
     app->add_flag("--no-cache", noCache, "neither use nor store compiled code")->disable_flag_override();
   }
 
   Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog;
-  bool quiet = false, verbose = false, noCache = false;
+  bool quiet = false, verbose = false, noCache = false, checkInvariants = false;
 
   void finish(RunOptions &options, Reader &reader, Diagnostics &diagnostics) const {
     Syntax::finish(options, reader, diagnostics);
@@ -189,6 +192,7 @@ struct RunSyntax : Syntax {
     options.quiet = quiet;
     options.verbose = verbose;
     options.noCache = noCache;
+    options.checkInvariants = checkInvariants;
     checkCombinations(options, diagnostics);
   }
 

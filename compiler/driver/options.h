@@ -42,6 +42,7 @@ struct RunOptions : ModelOptions {
   EventRows events = EventRows::Both;
   std::string output, eventLog;
   bool quiet = false, verbose = false, noCache = false;
+  bool checkInvariants = false;
 };
 
 enum class Command : std::uint8_t { Nothing, Check, Compile, Run };

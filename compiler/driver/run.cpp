@@ -1,6 +1,7 @@
 #include "compiler/driver/run.h"
 #include "compiler/driver/diagnostics.h"
 #include "compiler/driver/input_settings.h"
+#include "compiler/driver/invariant_report.h"
 #include "compiler/driver/summary.h"
 
 #include <algorithm>
@@ -63,12 +64,17 @@ void checkSuffix(const std::string &path, std::initializer_list<std::string_view
     session.diagnostics.report(diag::UnknownSuffix, {}, path, fmt::format("{}", fmt::join(suffixes, " or ")));
 }
 
+double toleranceOf(const RunOptions &options, const tf_model &model) {
+  return options.tolerance.value_or(given(model.tolerance).value_or(kDefaultTolerance));
+}
+
 // Sets what the command line says about the integration.
 void configure(tf_simulation *simulation, const RunOptions &options, const tf_model &model) {
-  tf_set_tolerance(simulation, options.tolerance.value_or(given(model.tolerance).value_or(kDefaultTolerance)));
+  tf_set_tolerance(simulation, toleranceOf(options, model));
   tf_set_integrator(simulation,
                     options.integrator == TF_AUTO && (options.stages > 0 || options.fixedStep > 0) ? TF_STEP : options.integrator);
   tf_set_step_options(simulation, options.stages, options.fixedStep);
+  tf_set_energy_balance(simulation, options.checkInvariants || !options.output.empty() ? 1 : 0);
 }
 
 class Run {
@@ -164,6 +170,8 @@ int runCommand(const RunOptions &options, Session &session) {
     const std::string text = summary(run.report(), *rows.value());
     std::fwrite(text.data(), 1, text.size(), stderr);
   }
+  if (options.checkInvariants && run.hasStarted())
+    reportInvariants(prepared->simulation.get(), toleranceOf(options, model), session);
   if (isDone && options.output.empty())
     printOut(finalValues(prepared->simulation.get()), session);
   return session.exitCode();

@@ -339,6 +339,13 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   }
 }
 
+double ModeDynamics::normalForce(int contact) const {
+  for (int i = 0; i < rows_.normalCount(); ++i)
+    if (rows_.contacts()[i] == contact)
+      return forces_.forces()[i];
+  return 0;
+}
+
 double ModeDynamics::frictionPower() {
   double power = 0;
   if (rows_.tangents().empty())

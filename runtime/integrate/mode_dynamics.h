@@ -58,6 +58,9 @@ public:
   // Multipliers of the constraints, into model(), at the last evaluation's point.
   void solveMultipliers();
 
+  // Of a contact at the last evaluation's point, before rounding errors below zero are cut off; 0 where it is open.
+  [[nodiscard]] double normalForce(int contact) const;
+
   // At the last evaluation's point: power of friction forces on the slips (≤ 0), and of all contact, friction and constraint forces on the
   // motion; they differ where boundaries move.
   double frictionPower();

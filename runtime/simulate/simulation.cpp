@@ -8,6 +8,7 @@
 #include "runtime/simulate/energy_balance.h"
 #include "runtime/simulate/event_detection.h"
 #include "runtime/simulate/impact.h"
+#include "runtime/simulate/invariants.h"
 #include "runtime/simulate/mode_selection.h"
 #include "runtime/simulate/variable_values.h"
 
@@ -74,6 +75,7 @@ public:
   SmoothIntegrator *integrator_ = nullptr;
   std::unique_ptr<EventDetection> detection_;
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
+  Invariants invariants_;
 
 private:
   struct Transition {
@@ -102,6 +104,7 @@ private:
   tf_status handle(DetectedEvent event);
   tf_status timeEvent();
   void commit();
+  void observeInvariants();
   void countStep();
 };
 
@@ -258,8 +261,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   statistics_ = {};
   dynamics_.resetStatistics();
   selection_.resetStatistics();
-  statistics_.worst_gap = std::numeric_limits<double>::infinity();
-  statistics_.worst_normal_force = std::numeric_limits<double>::infinity();
+  invariants_.start();
   time_ = startTime;
   parameters_.assign(instance_.parameters().begin(), instance_.parameters().end());
   const Starts starts = instance_.starts(startTime);
@@ -441,6 +443,8 @@ void Simulation::Implementation::commit() {
   std::copy_n(integrator_->end(), n_, state_.begin());
   std::copy_n(integrator_->endRate(), n_, rate_.begin());
   suggestedStep_ = integrator_ == primary_.get() ? integrator_->suggestedStep() : 0;
+  if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    observeInvariants();
 }
 
 tf_status Simulation::Implementation::timeEvent() {
@@ -553,15 +557,14 @@ tf_status Simulation::Implementation::advanceTo(double time) {
 
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
+  observeInvariants();
+}
+
+// The dynamics has been evaluated at (time_, state_).
+void Simulation::Implementation::observeInvariants() {
+  invariants_.observe(dynamics_);
   if (energy_)
-    statistics_.worst_energy_error = std::max(statistics_.worst_energy_error, energy_->error(time_, state_.data()));
-  at_.constraintResiduals();
-  for (int row = 0; row < model_.nh; ++row)
-    statistics_.worst_constraint = std::max({statistics_.worst_constraint, std::abs(at_.residual[row]), std::abs(at_.residualRate[row])});
-  for (int i = 0; i < model_.nc; ++i) {
-    statistics_.worst_gap = std::min(statistics_.worst_gap, at_.gap[i]);
-    statistics_.worst_normal_force = std::min(statistics_.worst_normal_force, at_.normalForce[i]);
-  }
+    invariants_.observeEnergy(energy_->error(time_, state_.data()), time_);
 }
 
 // time, state, rate-independent numbers, impulses, mode
@@ -653,6 +656,19 @@ const tf_statistics &Simulation::statistics() const {
     }
   statistics.evaluations = run.dynamics_.evaluations();
   statistics.worst_residual = run.selection_.worstViolation();
+  const Extreme &gap = run.invariants_.gap(), &force = run.invariants_.normalForce();
+  const Extreme &constraint = run.invariants_.constraint(), &energy = run.invariants_.energy();
+  statistics.worst_gap = gap.value;
+  statistics.worst_gap_time = gap.time;
+  statistics.worst_gap_contact = gap.element;
+  statistics.worst_normal_force = force.value;
+  statistics.worst_normal_force_time = force.time;
+  statistics.worst_normal_force_contact = force.element;
+  statistics.worst_constraint = constraint.value;
+  statistics.worst_constraint_time = constraint.time;
+  statistics.worst_constraint_element = constraint.element;
+  statistics.worst_energy_error = energy.value;
+  statistics.worst_energy_error_time = energy.time;
   return statistics;
 }
 

@@ -193,5 +193,13 @@ TEST_F(RunCommand, StartsWhereAsked) {
   EXPECT_NEAR(rows.value(rows.rowCount() - 1, "q[2]"), 1 - 9.81 * 0.25 * 0.25 / 2, 1e-9);
 }
 
+TEST_F(RunCommand, ReportsInvariants) {
+  const ProcessResult result = runTfc({"run", TF_SOURCE_DIR "/examples/incline.tf", "--check-invariants", "--quiet"}, folder.path());
+  EXPECT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("least gap of "));
+  EXPECT_THAT(result.err, HasSubstr("least normal force of 17 in 'plane'"));
+  EXPECT_THAT(result.err, HasSubstr("in the energy balance at time = "));
+}
+
 }  // namespace
 }  // namespace tf::test

@@ -1,0 +1,40 @@
+#include "runtime/simulate/invariants.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+void Invariants::start() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  gap_ = normalForce_ = {infinity, 0, -1};
+  constraint_ = energy_ = {};
+}
+
+void Invariants::observe(ModeDynamics &dynamics) {
+  ModelEvaluation &at = dynamics.model();
+  const tf_model &model = at.model();
+  const double time = at.time();
+  if (model.nc > 0)
+    at.switching(ModelEvaluation::Gaps);
+  for (int i = 0; i < model.nc; ++i) {
+    if (at.gap[i] < gap_.value)
+      gap_ = {at.gap[i], time, i};
+    // An open contact has no force: that is a value, too.
+    if (const double force = dynamics.normalForce(i); force < normalForce_.value)
+      normalForce_ = {force, time, i};
+  }
+  at.constraintResiduals();
+  for (int k = 0; k < model.nk; ++k)
+    for (int row = model.constraints[k].row_first; row < model.constraints[k].row_first + model.constraints[k].row_count; ++row)
+      if (const double violation = std::max(std::abs(at.residual[row]), std::abs(at.residualRate[row])); violation > constraint_.value)
+        constraint_ = {violation, time, k};
+}
+
+void Invariants::observeEnergy(double error, double time) {
+  if (error > energy_.value)
+    energy_ = {error, time, -1};
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,31 @@
+// The worst violations of what must hold at every point of a run: gaps and normal forces are not negative, constraints hold, the energy
+// balance closes.
+#pragma once
+
+#include "runtime/integrate/mode_dynamics.h"
+
+namespace tf::runtime {
+
+// The worst value so far, where and when.
+struct Extreme {
+  double value = 0, time = 0;
+  int element = -1;  // contact or constraint element
+};
+
+class Invariants {
+public:
+  void start();
+  // At the dynamics' last evaluation; its gaps and constraint residuals are evaluated here.
+  void observe(ModeDynamics &dynamics);
+  void observeEnergy(double error, double time);
+
+  [[nodiscard]] const Extreme &gap() const { return gap_; }                  // least
+  [[nodiscard]] const Extreme &normalForce() const { return normalForce_; }  // least, before rounding errors below zero are cut off
+  [[nodiscard]] const Extreme &constraint() const { return constraint_; }    // largest residual or rate
+  [[nodiscard]] const Extreme &energy() const { return energy_; }            // largest relative error
+
+private:
+  Extreme gap_, normalForce_, constraint_, energy_;
+};
+
+}  // namespace tf::runtime
