@@ -10,6 +10,7 @@
 #include "runtime/simulate/impact.h"
 #include "runtime/simulate/invariants.h"
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/rest_prediction.h"
 #include "runtime/simulate/variable_values.h"
 
 #include <fmt/format.h>
@@ -35,8 +36,8 @@ class Simulation::Implementation {
 public:
   Implementation(Simulation &owner, ModelInstance &instance, InputSignals &inputs)
       : owner_(owner), model_(instance.model()), instance_(instance), inputs_(inputs), at_(model_, inputs), dynamics_(at_),
-        selection_(dynamics_), impact_(at_), values_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_), before_(n_),
-        impulse_(model_.nc), beforeValues_(model_.variable_count) {}
+        selection_(dynamics_), impact_(at_), rest_(dynamics_, selection_), values_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_),
+        before_(n_), impulse_(model_.nc), beforeValues_(model_.variable_count) {}
 
   tf_status initialise(double startTime);
   tf_status advanceTo(double time);
@@ -55,6 +56,7 @@ public:
   ModeDynamics dynamics_;
   ModeSelection selection_;
   Impact impact_;
+  RestPrediction rest_;
   VariableValues values_;
   int n_;
 
@@ -101,7 +103,8 @@ private:
   bool skipTo(double limit);
   bool fallBack();
   tf_status step(double limit);
-  tf_status handle(DetectedEvent event);
+  tf_status handle(DetectedEvent event, double limit);
+  tf_status comeToRest(const RestPoint &point);
   tf_status timeEvent();
   void commit();
   void observeInvariants();
@@ -273,6 +276,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
   eventsHere_ = 0;
+  rest_.reset();
   modeValid_ = false;
   mode_.closed.assign(model_.nc, 0);
   mode_.tangent.assign(model_.nt, Tangent::None);
@@ -303,11 +307,11 @@ tf_status Simulation::Implementation::initialise(double startTime) {
     values_.setEnergyBalance(energy_.get());
   }
   makeIntegrators();
-  // The state of the variables before an impact at the start time needs a mode: all contacts open.
+  // The state of the variables before an impact or a frictional impulse at the start time needs a mode: all contacts open.
   std::vector<Transition> transitions;
   before_ = state_;
   const bool impact = !selection_.touching(time_, state_.data(), true).empty();
-  if (impact && owner_.onEvent) {
+  if (owner_.onEvent && !selection_.touching(time_, state_.data(), false).empty()) {
     Mode open = mode_;
     open.switches.assign(model_.ns, Switch::Zero);
     dynamics_.start(open, time_, state_.data());
@@ -316,7 +320,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
   statistics_.redundant_constraints = model_.nh - at_.mobility.rank();
-  if (impact)
+  if (impact || std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_PAINLEVE; }))
     report(transitions);
   return TF_OK;
 }
@@ -453,6 +457,7 @@ tf_status Simulation::Implementation::timeEvent() {
   enterSegment();
   if (energy_)
     energy_->addJump(energy_->energyAt(time_, state_.data()).potential - potential);
+  rest_.restart();
   std::vector<Transition> transitions = {{TF_EVENT_TIME, -1}};
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
@@ -460,7 +465,7 @@ tf_status Simulation::Implementation::timeEvent() {
   return TF_OK;
 }
 
-tf_status Simulation::Implementation::handle(DetectedEvent event) {
+tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
   const Guard guard = dynamics_.guards()[event.guard];
   if (!detection_->locate(event))
     return failEvaluation();
@@ -483,6 +488,41 @@ tf_status Simulation::Implementation::handle(DetectedEvent event) {
   std::vector<Transition> transitions;
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
+  report(transitions);
+  if (std::none_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_IMPACT; }))
+    return TF_OK;
+  const RestPoint *rest =
+      rest_.afterImpact(time_, before_.data(), state_.data(), owner_.options.tolerance, integrator_->settings().scale.data());
+  return rest != nullptr && rest->time <= limit ? comeToRest(*rest) : TF_OK;
+}
+
+// The end of infinitely many impacts: contacts close for good.
+tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
+  time_ = point.time;
+  state_ = point.state;
+  eventsHere_ = 0;
+  for (int i = 0; i < model_.nc; ++i)
+    impulse_[i] += point.impulse[i];
+  Mode resting = mode_;
+  for (const int i : point.contacts)
+    resting.closed[i] = 1;
+  for (const int j : point.sticking)
+    resting.tangent[j] = Tangent::Stick;
+  // Whether the contacts really stay closed is decided by settle(): a mode without admissible forces can still be projected onto.
+  for (int pass = 0; pass < 3; ++pass) {
+    dynamics_.start(resting, time_, state_.data());
+    if (dynamics_.project(state_.data(), integrator_->settings().scale.data()) < 1e-14)
+      break;
+  }
+  if (!dynamics_.start(mode_, time_, state_.data()))
+    return failEvaluation();
+  beginEvent();
+  std::vector<Transition> transitions;
+  for (const int i : point.contacts)
+    transitions.push_back({TF_EVENT_REST, i});
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  std::erase_if(transitions, [this](const Transition &t) { return t.kind == TF_EVENT_REST && !mode_.closed[t.element]; });
   report(transitions);
   return TF_OK;
 }
@@ -528,7 +568,7 @@ tf_status Simulation::Implementation::step(double limit) {
     return failEvaluation();
   const DetectedEvent event = detection_->detect();
   if (event.guard >= 0)
-    return handle(event);
+    return handle(event, limit);
   detection_->advance();
   commit();
   if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack())
@@ -567,9 +607,9 @@ void Simulation::Implementation::observeInvariants() {
     invariants_.observeEnergy(energy_->error(time_, state_.data()), time_);
 }
 
-// time, state, rate-independent numbers, impulses, mode
+// numbers, state, impulses, what is known of the impacts, mode
 std::size_t Simulation::Implementation::stateSize() const {
-  return (3 + static_cast<std::size_t>(n_) + impulse_.size()) * sizeof(double) + sizeof(EnergyTotals) +
+  return (3 + static_cast<std::size_t>(n_) + impulse_.size() + rest_.numberCount()) * sizeof(double) + sizeof(EnergyTotals) +
          static_cast<std::size_t>(model_.nc) + model_.nt + model_.ns;
 }
 
@@ -586,10 +626,14 @@ void Simulation::Implementation::save(void *buffer) {
   write(impulse_.data(), impulse_.size() * sizeof(double));
   const EnergyTotals totals = energy_ ? energy_->totals() : EnergyTotals{};
   write(&totals, sizeof totals);
+  std::vector<double> impacts(rest_.numberCount());
+  rest_.write(impacts.data());
+  write(impacts.data(), impacts.size() * sizeof(double));
   write(mode_.closed.data(), mode_.closed.size());
   write(mode_.tangent.data(), mode_.tangent.size());
   write(mode_.switches.data(), mode_.switches.size());
   // The saved point is where both continuations begin anew.
+  rest_.read(impacts.data());
   if (modeValid_ && dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     startIntegrator();
 }
@@ -612,6 +656,9 @@ void Simulation::Implementation::restore(const void *buffer) {
   read(&totals, sizeof totals);
   if (energy_)
     energy_->restore(totals);
+  std::vector<double> impacts(rest_.numberCount());
+  read(impacts.data(), impacts.size() * sizeof(double));
+  rest_.read(impacts.data());
   mode_.switches.resize(model_.ns);
   read(mode_.closed.data(), mode_.closed.size());
   read(mode_.tangent.data(), mode_.tangent.size());

@@ -1,0 +1,275 @@
+#include "runtime/simulate/rest_prediction.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+// Impacts are followed one by one until they are this much slower than the fastest one, however well their end is known.
+constexpr double slow = 1e-2;
+constexpr int firstImpacts = 3;
+constexpr std::size_t mostPredictions = 6;
+// The next prediction is made when this share of the time is left.
+constexpr double nextShare = 0.5, leastChange = 0.75;
+
+// Weights that extrapolate values at x to 0, for the powers 1, x², x³, …
+Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {
+  const Eigen::Index m = x.size();
+  Eigen::MatrixXd powers(m, m);
+  for (Eigen::Index k = 0; k < m; ++k)
+    for (Eigen::Index e = 0; e < m; ++e)
+      powers(e, k) = e == 0 ? 1 : std::pow(x(k) / x(0), static_cast<double>(e + 1));
+  return powers.fullPivLu().solve(Eigen::VectorXd::Unit(m, 0));
+}
+
+}  // namespace
+
+RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
+    : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
+      mean_(dynamics.size()), change_(at_.model().nv), moment_(at_.model().nv) {
+  reset();
+}
+
+void RestPrediction::reset() {
+  std::fill(fastest_.begin(), fastest_.end(), 0.0);
+  std::fill(last_.begin(), last_.end(), 0.0);
+  impacts_ = 0;
+  restart();
+}
+
+void RestPrediction::restart() {
+  predictions_.clear();
+  lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
+}
+
+void RestPrediction::write(double *numbers) const {
+  std::copy(fastest_.begin(), fastest_.end(), numbers);
+  numbers[fastest_.size()] = impacts_;
+}
+
+void RestPrediction::read(const double *numbers) {
+  std::copy_n(numbers, fastest_.size(), fastest_.begin());
+  std::fill(last_.begin(), last_.end(), 0.0);
+  impacts_ = numbers[fastest_.size()];
+  restart();
+}
+
+// False where it is too early for a prediction.
+bool RestPrediction::recordImpact(double time, const double *before) {
+  for (const int i : selection_.touching(time, before, true)) {
+    last_[i] = -at_.gapRate[i];
+    fastest_[i] = std::max(fastest_[i], last_[i]);
+  }
+  const double interval = time - lastImpact_;
+  lastImpact_ = time;
+  return ++impacts_ >= firstImpacts && time >= nextAttempt_ && std::isfinite(interval);
+}
+
+// All contacts and their tangential rows, with gaps and velocities at the state. False where friction has two directions.
+bool RestPrediction::chooseRows(double time, const double *state) {
+  const tf_model &model = at_.model();
+  const Mode &mode = dynamics_.mode();
+  at_.setPoint(time, state);
+  const std::vector<std::uint8_t> all(model.nc + model.nf, 1);
+  at_.contactTerms(all.data());
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  const std::vector<int> owner = contactsOfTangents(model);
+  std::vector<int> contacts, tangents;
+  for (int i = 0; i < model.nc; ++i) {
+    if (model.contacts[i].tangent_count > 1 && at_.friction[i] > 0)
+      return false;
+    contacts.push_back(i);
+  }
+  for (int f = 0; f < model.nf; ++f)
+    if (model.frictions[f].tangent_count > 1)
+      return false;
+  for (int j = 0; j < model.nt; ++j)
+    if (owner[j] < 0 || at_.friction[owner[j]] > 0)
+      tangents.push_back(j);
+  problem_.resize(model.nc, static_cast<int>(tangents.size()));
+  rows_.choose(model, contacts, tangents, problem_);
+  const double still = selection_.velocityTolerance(state);
+  for (int i = 0; i < model.nc; ++i) {
+    const bool touches = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
+    problem_.gap[i] = touches ? 0 : at_.gap[i];
+    problem_.velocity[i] = mode.closed[i] || (touches && std::abs(at_.gapRate[i]) <= still) ? 0 : at_.gapRate[i];
+    problem_.rate[i] = at_.rate[i];
+    problem_.restitution[i] = at_.restitution[i];
+    problem_.law[i] = static_cast<ImpactLaw>(model.contacts[i].law);
+  }
+  for (std::size_t j = 0; j < tangents.size(); ++j) {
+    const double slip = at_.slip[tangents[j]];
+    problem_.velocity[model.nc + j] = mode.tangent[tangents[j]] == Tangent::Stick || std::abs(slip) <= still ? 0 : slip;
+  }
+  return true;
+}
+
+// D and φ at the positions of the state and these velocities.
+bool RestPrediction::evaluateCoefficients(double time, const std::vector<double> &state) {
+  const tf_model &model = at_.model();
+  at_.setPoint(time, state.data());
+  const std::vector<std::uint8_t> all(model.nc + model.nf, 1);
+  if (!at_.dynamics())
+    return false;
+  at_.contactTerms(all.data());
+  rows_.assemble(at_, problem_.delassus, problem_);
+  at_.mobility.accelerate(at_.force.data(), nullptr, at_.acceleration.data());
+  rows_.bias(at_, at_.acceleration.data(), problem_.bias);
+  return true;
+}
+
+// Takes the velocities of the touching contacts, which vanish at the point of rest, out of the state: terms of φ that are quadratic in
+// velocities are not those of the fast motion to and fro.
+void RestPrediction::stopTouching(std::vector<double> &state) {
+  std::vector<Eigen::Index> moving;
+  for (int i = 0; i < problem_.normalCount; ++i)
+    if (problem_.gap[i] == 0)
+      moving.push_back(i);
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if (const int owner = problem_.owner[j]; owner >= 0 && problem_.gap[owner] == 0 && problem_.velocity[problem_.normalCount + j] == 0)
+      moving.push_back(problem_.normalCount + j);
+  const Eigen::Map<const Eigen::VectorXd> velocity(problem_.velocity.data(), problem_.count());
+  const Eigen::MatrixXd D = problem_.delassus.map()(moving, moving);
+  const Eigen::VectorXd impulse = D.completeOrthogonalDecomposition().solve(-velocity(moving));
+  std::vector<double> impulses(problem_.count(), 0.0);
+  for (std::size_t k = 0; k < moving.size(); ++k)
+    impulses[moving[k]] = impulse(static_cast<Eigen::Index>(k));
+  rows_.accelerate(impulses.data(), state.data() + at_.model().nq);
+}
+
+// Where the sequence with constant coefficients leads: v' = W f + W Jᵀ λ with W, J and f constant; positions move with the mean velocity.
+bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point) {
+  const tf_model &model = at_.model();
+  const double remaining = end.time;
+  point.time = time + remaining;
+  point.contacts = end.contacts;
+  point.sticking.clear();
+  for (const int j : end.sticking)
+    point.sticking.push_back(rows_.tangents()[j]);
+  point.impulse = end.frozenImpulse;
+  point.state.assign(state, state + dynamics_.size());
+  std::fill(change_.begin(), change_.end(), 0.0);
+  std::fill(moment_.begin(), moment_.end(), 0.0);
+  rows_.accelerate(end.impulse.data(), change_.data());
+  rows_.accelerate(end.impulseMoment.data(), moment_.data());
+  mean_.assign(state, state + dynamics_.size());
+  for (int i = 0; i < model.nv; ++i) {
+    point.state[model.nq + i] += at_.acceleration[i] * remaining + change_[i];
+    mean_[model.nq + i] += 0.5 * at_.acceleration[i] * remaining + moment_[i] / remaining;
+  }
+  for (int i = 0; i < model.nz; ++i)
+    point.state[model.nq + model.nv + i] += at_.stateRate[i] * remaining;
+  point.state[dynamics_.size() - 1] += end.tau;
+  std::vector<double> rate(model.nq);
+  at_.setPoint(time, mean_.data());
+  at_.kinematics(rate.data());
+  for (int i = 0; i < model.nq; ++i)
+    point.state[i] += rate[i] * remaining;
+  return std::all_of(point.state.begin(), point.state.end(), [](double y) { return std::isfinite(y); });
+}
+
+// The point of rest with the coefficients of this instant, evaluated with the velocities that are left at the end.
+bool RestPrediction::predict(double time, const double *state, Prediction &prediction) {
+  const tf_model &model = at_.model();
+  std::vector<double> coefficients(state, state + dynamics_.size());
+  if (!chooseRows(time, state) || !evaluateCoefficients(time, coefficients))
+    return false;
+  stopTouching(coefficients);
+  for (int pass = 0; pass < 2; ++pass) {
+    if (!evaluateCoefficients(time, coefficients))
+      return false;
+    const AccumulationPoint *end = sequence_.follow(problem_);
+    if (end == nullptr || !(end->time > 0) || !moveTo(*end, time, state, prediction.point))
+      return false;
+    prediction.remaining = end->time;
+    std::copy_n(prediction.point.state.begin() + model.nq, model.nv, coefficients.begin() + model.nq);
+  }
+  return true;
+}
+
+// Predictions of another point, or of an earlier course of the motion, are dropped.
+void RestPrediction::add(Prediction prediction) {
+  if (!predictions_.empty() && (predictions_.back().point.contacts != prediction.point.contacts ||
+                                prediction.remaining > leastChange * predictions_.back().remaining))
+    predictions_.clear();
+  if (predictions_.size() == mostPredictions)
+    predictions_.erase(predictions_.begin());
+  predictions_.push_back(std::move(prediction));
+}
+
+// True if the extrapolation of the latest predictions agrees with that of one fewer, for some number of them.
+bool RestPrediction::extrapolate(double tolerance, const double *scale) {
+  const Prediction &latest = predictions_.back();
+  const int n = dynamics_.size();
+  std::vector<double> previous;
+  double best = std::numeric_limits<double>::infinity();
+  for (std::size_t m = 1; m <= predictions_.size(); ++m) {
+    const std::size_t first = predictions_.size() - m;
+    Eigen::VectorXd x(static_cast<Eigen::Index>(m));
+    for (std::size_t k = 0; k < m; ++k)
+      x(static_cast<Eigen::Index>(k)) = predictions_[first + k].remaining;
+    const Eigen::VectorXd weights = extrapolationWeights(x);
+    std::vector<double> now(static_cast<std::size_t>(n) + 1, 0.0);
+    for (std::size_t k = 0; k < m; ++k) {
+      const RestPoint &point = predictions_[first + k].point;
+      for (int i = 0; i < n; ++i)
+        now[i] += weights(static_cast<Eigen::Index>(k)) * point.state[i];
+      now[n] += weights(static_cast<Eigen::Index>(k)) * point.time;
+    }
+    double difference = 0;
+    for (int i = 0; i <= n && m > 1; ++i)
+      difference = std::max(difference, std::abs(now[i] - previous[i]) / std::max(i < n ? scale[i] : 1.0, std::abs(now[i])));
+    if (m > 1 && difference < best) {
+      best = difference;
+      point_ = latest.point;
+      point_.time = now[n];
+      std::copy_n(now.begin(), n, point_.state.begin());
+    }
+    previous = std::move(now);
+  }
+  return best <= tolerance;
+}
+
+bool RestPrediction::isSlow() const {
+  return std::all_of(point_.contacts.begin(), point_.contacts.end(),
+                     [this](int i) { return last_[i] > 0 && last_[i] <= slow * fastest_[i]; });
+}
+
+// No other contact has closed and no switch has changed at the point.
+bool RestPrediction::nothingElseHappens() {
+  const tf_model &model = at_.model();
+  at_.setPoint(point_.time, point_.state.data());
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Conditions);
+  for (int i = 0; i < model.nc; ++i)
+    if (!std::binary_search(point_.contacts.begin(), point_.contacts.end(), i) && !dynamics_.mode().closed[i] && at_.gap[i] < 0)
+      return false;
+  for (int j = 0; j < model.ns; ++j)
+    if (const Switch side = dynamics_.mode().switches[j]; side != Switch::Sliding && (at_.condition[j] > 0) != (side == Switch::One))
+      return false;
+  return true;
+}
+
+const RestPoint *RestPrediction::afterImpact(double time, const double *before, const double *state, double tolerance,
+                                             const double *scale) {
+  const double previousImpact = lastImpact_;
+  if (!recordImpact(time, before))
+    return nullptr;
+  Prediction prediction;
+  if (!predict(time, state, prediction)) {
+    predictions_.clear();
+    nextAttempt_ = time + 4 * (time - previousImpact);
+    return nullptr;
+  }
+  nextAttempt_ = time + (1 - nextShare) * prediction.remaining;
+  add(std::move(prediction));
+  if (!extrapolate(tolerance, scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())
+    return nullptr;
+  return &point_;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,73 @@
+// Zeno (theory.md section 3): the point in time where infinitely many impacts accumulate, before the impacts have been followed there.
+//
+// After an impact the rest of the sequence is followed with the coefficients of that instant (ImpactSequence). The point so found is wrong
+// by O(T²), T the time that is left, with an expansion in powers of T: points predicted while T halves again and again are extrapolated to
+// T = 0 (Richardson), and the difference of successive extrapolations tells when that is accurate enough to take the step to the point.
+#pragma once
+
+#include "runtime/contact/impact_sequence.h"
+#include "runtime/simulate/mode_selection.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+// Where contacts come to rest.
+struct RestPoint {
+  double time = 0;
+  std::vector<double> state;    // q, v, z, tau, to the tolerance; the contacts' gaps and rates may be off by as much
+  std::vector<int> contacts;    // of the model: those that come to rest, ascending
+  std::vector<int> sticking;    // tangential rows of closed contacts whose slip is zero there
+  std::vector<double> impulse;  // nc: normal impulses of the impacts on the way
+};
+
+class RestPrediction {
+public:
+  RestPrediction(ModeDynamics &dynamics, ModeSelection &selection);
+
+  // Forgets everything: a new run.
+  void reset();
+  // The forces have changed by a jump: earlier predictions are void.
+  void restart();
+
+  // After an impact at `time` that has led from the state `before` to `state`; the dynamics is in the mode that follows. The point of rest
+  // where it is known to `tolerance` (relative to max(scale, |y|), [n]), else null. The pointer is valid until the next call.
+  const RestPoint *afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale);
+
+  // What continuation depends on: numberCount() numbers; reading them implies restart().
+  [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 1; }
+  void write(double *numbers) const;
+  void read(const double *numbers);
+
+private:
+  struct Prediction {
+    double remaining = 0;  // T
+    RestPoint point;
+  };
+
+  bool recordImpact(double time, const double *before);
+  bool chooseRows(double time, const double *state);
+  bool evaluateCoefficients(double time, const std::vector<double> &state);
+  void stopTouching(std::vector<double> &state);
+  bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
+  bool predict(double time, const double *state, Prediction &prediction);
+  void add(Prediction prediction);
+  bool extrapolate(double tolerance, const double *scale);
+  [[nodiscard]] bool isSlow() const;
+  bool nothingElseHappens();
+
+  ModeDynamics &dynamics_;
+  ModelEvaluation &at_;
+  ModeSelection &selection_;
+  RowSystem rows_;
+  SequenceProblem problem_;
+  ImpactSequence sequence_;
+  std::vector<Prediction> predictions_;         // the latest last, T falling
+  RestPoint point_;                             // extrapolated
+  std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
+  double impacts_ = 0;                          // number
+  double lastImpact_ = 0, nextAttempt_ = 0;     // times
+  std::vector<double> mean_, change_, moment_;  // workspaces
+};
+
+}  // namespace tf::runtime
