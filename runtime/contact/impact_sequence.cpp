@@ -91,7 +91,7 @@ void ImpactSequence::Workspace::begin(const SequenceProblem &at) {
   state = {};
   state.impulse.assign(count(), 0.0);
   state.impulseMoment.assign(count(), 0.0);
-  state.frozenImpulse.assign(n(), 0.0);
+  state.frozenImpulse.assign(count(), 0.0);
   gap = at.gap;
   velocity = at.velocity;
   acceleration.assign(count(), 0.0);
@@ -118,7 +118,7 @@ std::vector<double> ImpactSequence::Workspace::values() const {
 }
 
 void ImpactSequence::Workspace::resetTail(BreakpointTail &tail) const {
-  const int compared = 2 * count() + n() + 2;
+  const int compared = 3 * count() + 2;
   tail.reset(compared + n() + count(), compared);
 }
 
@@ -176,13 +176,12 @@ bool ImpactSequence::Workspace::freeze() {
     return false;
   for (int c = 0; c < ni + mi; ++c) {
     state.impulse[row(c)] += result.impulse[c];
+    state.frozenImpulse[row(c)] += result.impulse[c];
     for (int r = 0; r < count(); ++r)
       velocity[r] += problem->delassus(r, row(c)) * result.impulse[c];
   }
   for (int r = 0; r < ni + mi; ++r)
     velocity[row(r)] = result.velocity[r];
-  for (int i = 0; i < ni; ++i)
-    state.frozenImpulse[rows[i]] += result.impulse[i];
   state.tau += result.duration;
   return true;
 }
@@ -285,21 +284,20 @@ std::vector<int> ImpactSequence::Workspace::ending(const std::vector<std::vector
 // Adds all that is to come of a repeating sequence. Integrals: the part of the limit velocity (or impulse) grows with the time that is
 // left, the rest, quadratic in what shrinks, by the square of the factor.
 void ImpactSequence::Workspace::sumTail(const BreakpointTail &tail, const std::vector<int> &contacts) {
-  const int rowCount = count(), timeIndex = 2 * rowCount + n();
+  const int rowCount = count(), timeIndex = 3 * rowCount;
   const double factor = tail.factor(), square = factor * factor / (1 - factor * factor);
   const double left = tail.tail(timeIndex), last = tail.cycle(timeIndex);
   for (int r = 0; r < rowCount; ++r) {
     velocity[r] = std::binary_search(contacts.begin(), contacts.end(), r) ? 0 : velocity[r] + tail.tail(r);
     state.impulse[r] += tail.tail(rowCount + r);
+    state.frozenImpulse[r] += tail.tail(2 * rowCount + r);
     const double integral = tail.cycle(timeIndex + 2 + n() + r);
     state.impulseMoment[r] += state.impulse[r] * left - (state.impulse[r] * last - integral) * square;
   }
-  for (int i = 0; i < n(); ++i) {
+  for (int i = 0; i < n(); ++i)
     gap[i] = std::binary_search(contacts.begin(), contacts.end(), i)
                  ? 0
                  : gap[i] + velocity[i] * left - (velocity[i] * last - tail.cycle(timeIndex + 2 + i)) * square;
-    state.frozenImpulse[i] += tail.tail(2 * rowCount + i);
-  }
   state.time += left;
   state.tau += tail.tail(timeIndex + 1);
 }

@@ -33,7 +33,7 @@ struct AccumulationPoint {
   double tau = 0;                     // numerical time from the begin
   std::vector<double> impulse;        // n + m: of impacts and forces since the begin
   std::vector<double> impulseMoment;  // n + m: ∫ impulse dt up to the point
-  std::vector<double> frozenImpulse;  // n: the share of the impacts
+  std::vector<double> frozenImpulse;  // n + m: the share of the impacts
 };
 
 class ImpactSequence {

@@ -53,6 +53,15 @@ void EnergyBalance::addImpact(double time, const double *before, const double *a
   totals_.impactLoss += boundaryWork - change;
 }
 
+void EnergyBalance::addImpacts(double beginTime, const double *begin, double endTime, const double *end, double boundaryWork,
+                               double frictionWork) {
+  const Energy before = energyAt(beginTime, begin), after = energyAt(endTime, end);
+  const double work = boundaryWork + 0.5 * (before.power + after.power) * (endTime - beginTime);
+  totals_.work += work;
+  totals_.frictionLoss -= frictionWork;
+  totals_.impactLoss += work + frictionWork - (after.mechanical() - before.mechanical());
+}
+
 double EnergyBalance::error(double time, const double *state) {
   const Energy energy = energyAt(time, state);
   note(energy);

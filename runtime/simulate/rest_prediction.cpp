@@ -31,7 +31,7 @@ Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      mean_(dynamics.size()), change_(at_.model().nv), moment_(at_.model().nv) {
+      change_(at_.model().nv), moment_(at_.model().nv) {
   reset();
 }
 
@@ -118,7 +118,7 @@ bool RestPrediction::evaluateCoefficients(double time, const std::vector<double>
     return false;
   at_.contactTerms(all.data());
   rows_.assemble(at_, problem_.delassus, problem_);
-  at_.mobility.accelerate(at_.force.data(), nullptr, at_.acceleration.data());
+  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());
   rows_.bias(at_, at_.acceleration.data(), problem_.bias);
   return true;
 }
@@ -142,6 +142,16 @@ void RestPrediction::stopTouching(std::vector<double> &state) {
   rows_.accelerate(impulses.data(), state.data() + at_.model().nq);
 }
 
+// Impulse times velocity: that of the boundary is what J v lacks of the row's rate.
+void RestPrediction::measureWork(const AccumulationPoint &end, const double *velocities, RestPoint &point) const {
+  point.boundaryWork = point.frictionWork = 0;
+  for (int r = 0; r < rows_.count(); ++r) {
+    point.boundaryWork += end.impulse[r] * (rows_.product(r, velocities) - problem_.velocity[r]);
+    if (r >= rows_.normalCount())
+      point.frictionWork += (end.impulse[r] - end.frozenImpulse[r]) * problem_.velocity[r];
+  }
+}
+
 // Where the sequence with constant coefficients leads: v' = W f + W Jᵀ λ with W, J and f constant; positions move with the mean velocity.
 bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point) {
   const tf_model &model = at_.model();
@@ -151,25 +161,23 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
   point.sticking.clear();
   for (const int j : end.sticking)
     point.sticking.push_back(rows_.tangents()[j]);
-  point.impulse = end.frozenImpulse;
+  point.impulse.assign(end.frozenImpulse.begin(), end.frozenImpulse.begin() + model.nc);
+  measureWork(end, state + model.nq, point);
   point.state.assign(state, state + dynamics_.size());
   std::fill(change_.begin(), change_.end(), 0.0);
   std::fill(moment_.begin(), moment_.end(), 0.0);
   rows_.accelerate(end.impulse.data(), change_.data());
   rows_.accelerate(end.impulseMoment.data(), moment_.data());
-  mean_.assign(state, state + dynamics_.size());
   for (int i = 0; i < model.nv; ++i) {
+    const double velocity = state[model.nq + i];
     point.state[model.nq + i] += at_.acceleration[i] * remaining + change_[i];
-    mean_[model.nq + i] += 0.5 * at_.acceleration[i] * remaining + moment_[i] / remaining;
+    moment_[i] += (velocity + 0.5 * at_.acceleration[i] * remaining) * remaining;
   }
   for (int i = 0; i < model.nz; ++i)
     point.state[model.nq + model.nv + i] += at_.stateRate[i] * remaining;
-  point.state[dynamics_.size() - 1] += end.tau;
-  std::vector<double> rate(model.nq);
-  at_.setPoint(time, mean_.data());
-  at_.kinematics(rate.data());
-  for (int i = 0; i < model.nq; ++i)
-    point.state[i] += rate[i] * remaining;
+  point.state[at_.tauIndex()] += end.tau;
+  at_.setPoint(time, state);
+  at_.moveCoordinates(point.state.data(), moment_.data());
   return std::all_of(point.state.begin(), point.state.end(), [](double y) { return std::isfinite(y); });
 }
 

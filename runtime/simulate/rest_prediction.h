@@ -19,6 +19,8 @@ struct RestPoint {
   std::vector<int> contacts;    // of the model: those that come to rest, ascending
   std::vector<int> sticking;    // tangential rows of closed contacts whose slip is zero there
   std::vector<double> impulse;  // nc: normal impulses of the impacts on the way
+  double boundaryWork = 0;      // of moving boundaries and of friction between the impacts, on the way, to O(T²)
+  double frictionWork = 0;
 };
 
 class RestPrediction {
@@ -49,6 +51,7 @@ private:
   bool chooseRows(double time, const double *state);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);
+  void measureWork(const AccumulationPoint &end, const double *velocities, RestPoint &point) const;
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
   bool predict(double time, const double *state, Prediction &prediction);
   void add(Prediction prediction);
@@ -62,12 +65,12 @@ private:
   RowSystem rows_;
   SequenceProblem problem_;
   ImpactSequence sequence_;
-  std::vector<Prediction> predictions_;         // the latest last, T falling
-  RestPoint point_;                             // extrapolated
-  std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
-  double impacts_ = 0;                          // number
-  double lastImpact_ = 0, nextAttempt_ = 0;     // times
-  std::vector<double> mean_, change_, moment_;  // workspaces
+  std::vector<Prediction> predictions_;      // the latest last, T falling
+  RestPoint point_;                          // extrapolated
+  std::vector<double> fastest_, last_;       // nc: approach speeds of impacts, the greatest and the last one
+  double impacts_ = 0;                       // number
+  double lastImpact_ = 0, nextAttempt_ = 0;  // times
+  std::vector<double> change_, moment_;      // workspaces
 };
 
 }  // namespace tf::runtime

@@ -498,6 +498,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
 
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
+  const double lastImpact = time_;
+  const std::vector<double> afterImpact = state_;
   time_ = point.time;
   state_ = point.state;
   eventsHere_ = 0;
@@ -514,6 +516,8 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     if (dynamics_.project(state_.data(), integrator_->settings().scale.data()) < 1e-14)
       break;
   }
+  if (energy_)
+    energy_->addImpacts(lastImpact, afterImpact.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
   if (!dynamics_.start(mode_, time_, state_.data()))
     return failEvaluation();
   beginEvent();
