@@ -42,8 +42,13 @@ void RestPrediction::reset() {
   restart();
 }
 
-void RestPrediction::restart() {
+void RestPrediction::forget() {
   predictions_.clear();
+  extrapolated_.clear();
+}
+
+void RestPrediction::restart() {
+  forget();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
 }
 
@@ -61,9 +66,11 @@ void RestPrediction::read(const double *numbers) {
 
 // False where it is too early for a prediction.
 bool RestPrediction::recordImpact(double time, const double *before) {
+  bouncesLow_ = false;
   for (const int i : selection_.touching(time, before, true)) {
     last_[i] = -at_.gapRate[i];
     fastest_[i] = std::max(fastest_[i], last_[i]);
+    bouncesLow_ = bouncesLow_ || last_[i] <= slow * fastest_[i];
   }
   const double interval = time - lastImpact_;
   lastImpact_ = time;
@@ -204,43 +211,50 @@ bool RestPrediction::predict(double time, const double *state, Prediction &predi
 void RestPrediction::add(Prediction prediction) {
   if (!predictions_.empty() && (predictions_.back().point.contacts != prediction.point.contacts ||
                                 prediction.remaining > leastChange * predictions_.back().remaining))
-    predictions_.clear();
+    forget();
   if (predictions_.size() == mostPredictions)
     predictions_.erase(predictions_.begin());
   predictions_.push_back(std::move(prediction));
 }
 
-// True if the extrapolation of the latest predictions agrees with that of one fewer, for some number of them.
+// True if the best extrapolation of the latest predictions (of two or more) agrees with the one of one prediction fewer, and with that of
+// the last time.
 bool RestPrediction::extrapolate(double tolerance, const double *scale) {
-  const Prediction &latest = predictions_.back();
   const int n = dynamics_.size();
-  std::vector<double> previous;
-  double best = std::numeric_limits<double>::infinity();
+  const auto difference = [&](const std::vector<double> &a, const std::vector<double> &b) {
+    double largest = 0;
+    for (int i = 0; i <= n; ++i)
+      largest = std::max(largest, std::abs(a[i] - b[i]) / std::max(i < n ? scale[i] : 1.0, std::abs(a[i])));
+    return largest;
+  };
+  std::vector<double> previous, best;
+  double error = std::numeric_limits<double>::infinity();
   for (std::size_t m = 1; m <= predictions_.size(); ++m) {
-    const std::size_t first = predictions_.size() - m;
+    const Prediction *first = predictions_.data() + (predictions_.size() - m);
     Eigen::VectorXd x(static_cast<Eigen::Index>(m));
     for (std::size_t k = 0; k < m; ++k)
-      x(static_cast<Eigen::Index>(k)) = predictions_[first + k].remaining;
+      x(static_cast<Eigen::Index>(k)) = first[k].remaining;
     const Eigen::VectorXd weights = extrapolationWeights(x);
     std::vector<double> now(static_cast<std::size_t>(n) + 1, 0.0);
     for (std::size_t k = 0; k < m; ++k) {
-      const RestPoint &point = predictions_[first + k].point;
       for (int i = 0; i < n; ++i)
-        now[i] += weights(static_cast<Eigen::Index>(k)) * point.state[i];
-      now[n] += weights(static_cast<Eigen::Index>(k)) * point.time;
+        now[i] += weights(static_cast<Eigen::Index>(k)) * first[k].point.state[i];
+      now[n] += weights(static_cast<Eigen::Index>(k)) * first[k].point.time;
     }
-    double difference = 0;
-    for (int i = 0; i <= n && m > 1; ++i)
-      difference = std::max(difference, std::abs(now[i] - previous[i]) / std::max(i < n ? scale[i] : 1.0, std::abs(now[i])));
-    if (m > 1 && difference < best) {
-      best = difference;
-      point_ = latest.point;
-      point_.time = now[n];
-      std::copy_n(now.begin(), n, point_.state.begin());
+    if (m > 1 && difference(now, previous) < error) {
+      error = difference(now, previous);
+      best = now;
     }
     previous = std::move(now);
   }
-  return best <= tolerance;
+  const bool agrees = error <= tolerance && !extrapolated_.empty() && difference(best, extrapolated_) <= tolerance;
+  extrapolated_ = best;
+  if (!agrees)
+    return false;
+  point_ = predictions_.back().point;
+  point_.time = best[n];
+  std::copy_n(best.begin(), n, point_.state.begin());
+  return true;
 }
 
 bool RestPrediction::isSlow() const {
@@ -269,7 +283,7 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
     return nullptr;
   Prediction prediction;
   if (!predict(time, state, prediction)) {
-    predictions_.clear();
+    forget();
     nextAttempt_ = time + 4 * (time - previousImpact);
     return nullptr;
   }

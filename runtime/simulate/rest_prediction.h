@@ -36,6 +36,9 @@ public:
   // where it is known to `tolerance` (relative to max(scale, |y|), [n]), else null. The pointer is valid until the next call.
   const RestPoint *afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale);
 
+  // The contacts of the last impact have become slow, compared with their fastest impacts.
+  [[nodiscard]] bool bouncesLow() const { return bouncesLow_; }
+
   // What continuation depends on: numberCount() numbers; reading them implies restart().
   [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 1; }
   void write(double *numbers) const;
@@ -47,6 +50,7 @@ private:
     RestPoint point;
   };
 
+  void forget();
   bool recordImpact(double time, const double *before);
   bool chooseRows(double time, const double *state);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
@@ -65,9 +69,11 @@ private:
   RowSystem rows_;
   SequenceProblem problem_;
   ImpactSequence sequence_;
-  std::vector<Prediction> predictions_;      // the latest last, T falling
-  RestPoint point_;                          // extrapolated
-  std::vector<double> fastest_, last_;       // nc: approach speeds of impacts, the greatest and the last one
+  std::vector<Prediction> predictions_;  // the latest last, T falling
+  RestPoint point_;                      // extrapolated
+  std::vector<double> extrapolated_;     // its state and time; empty where there is none
+  std::vector<double> fastest_, last_;   // nc: approach speeds of impacts, the greatest and the last one
+  bool bouncesLow_ = false;
   double impacts_ = 0;                       // number
   double lastImpact_ = 0, nextAttempt_ = 0;  // times
   std::vector<double> change_, moment_;      // workspaces

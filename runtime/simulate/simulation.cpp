@@ -74,6 +74,7 @@ public:
   std::vector<double> parameters_;
 
   std::unique_ptr<SmoothIntegrator> primary_, fallback_;
+  std::unique_ptr<SmoothIntegrator> bounces_;  // follows low bounces where the primary one is CVODE, which starts with steps of low order
   SmoothIntegrator *integrator_ = nullptr;
   std::unique_ptr<EventDetection> detection_;
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
@@ -94,6 +95,7 @@ private:
   void makeIntegrators();
   void useIntegrator(SmoothIntegrator &integrator);
   void startIntegrator();
+  void startIntegrator(SmoothIntegrator &integrator);
   void enterSegment();
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
   tf_status freeze(std::vector<Transition> &transitions, int forced);
@@ -101,7 +103,7 @@ private:
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
   bool skipTo(double limit);
-  bool fallBack();
+  bool fallBack(SmoothIntegrator &integrator);
   tf_status step(double limit);
   tf_status handle(DetectedEvent event, double limit);
   tf_status comeToRest(const RestPoint &point);
@@ -228,6 +230,7 @@ void Simulation::Implementation::makeIntegrators() {
   const int stages = wanted.stages > 0 ? wanted.stages : wanted.tolerance < 1e-5 ? 4 : 3;
   primary_.reset();
   fallback_.reset();
+  bounces_.reset();
   if (wanted.integrator == TF_CVODE)
     primary_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
   else if (wanted.integrator == TF_STEP || (wanted.integrator == TF_AUTO && wanted.stages > 0))
@@ -236,6 +239,8 @@ void Simulation::Implementation::makeIntegrators() {
     primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<DormandPrince>(n_));
   if (wanted.integrator != TF_CVODE && wanted.fixedStep <= 0)
     fallback_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
+  if (wanted.integrator == TF_CVODE)
+    bounces_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<DormandPrince>(n_));
   detection_ = std::make_unique<EventDetection>(dynamics_, *primary_);
   integrator_ = primary_.get();
 }
@@ -246,8 +251,10 @@ void Simulation::Implementation::useIntegrator(SmoothIntegrator &integrator) {
 }
 
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
-void Simulation::Implementation::startIntegrator() {
-  useIntegrator(*primary_);
+void Simulation::Implementation::startIntegrator() { startIntegrator(*primary_); }
+
+void Simulation::Implementation::startIntegrator(SmoothIntegrator &integrator) {
+  useIntegrator(integrator);
   detection_->restart(time_, state_.data(), 0.5 * selection_.velocityTolerance(state_.data()));
   integrator_->start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_->watchStart();
@@ -430,7 +437,7 @@ void Simulation::Implementation::report(const std::vector<Transition> &transitio
 
 void Simulation::Implementation::countStep() {
   ++statistics_.steps;
-  if (integrator_ == fallback_.get() || owner_.options.integrator == TF_CVODE)
+  if (integrator_ == fallback_.get() || (owner_.options.integrator == TF_CVODE && integrator_ != bounces_.get()))
     ++statistics_.cvode_steps;
   else if (owner_.options.integrator == TF_STEP || (owner_.options.integrator == TF_AUTO && owner_.options.stages > 0))
     ++statistics_.step_steps;
@@ -493,7 +500,14 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return TF_OK;
   const RestPoint *rest =
       rest_.afterImpact(time_, before_.data(), state_.data(), owner_.options.tolerance, integrator_->settings().scale.data());
-  return rest != nullptr && rest->time <= limit ? comeToRest(*rest) : TF_OK;
+  if (rest != nullptr && rest->time <= limit)
+    return comeToRest(*rest);
+  if (bounces_ && rest_.bouncesLow()) {
+    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failEvaluation();
+    startIntegrator(*bounces_);
+  }
+  return TF_OK;
 }
 
 // The end of infinitely many impacts: contacts close for good.
@@ -543,12 +557,12 @@ bool Simulation::Implementation::skipTo(double limit) {
   return true;
 }
 
-// CVODE takes over for the rest of the mode.
-bool Simulation::Implementation::fallBack() {
-  useIntegrator(*fallback_);
+// Another integrator takes over for the rest of the mode.
+bool Simulation::Implementation::fallBack(SmoothIntegrator &integrator) {
+  useIntegrator(integrator);
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return false;
-  fallback_->start(time_, state_.data(), rate_.data(), 0);
+  integrator.start(time_, state_.data(), rate_.data(), 0);
   detection_->watchStart();
   return true;
 }
@@ -557,8 +571,9 @@ tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
   StepStatus status = integrator_->step(limit);
-  if (status != StepStatus::Done && fallback_ && integrator_ != fallback_.get()) {
-    if (!fallBack())
+  SmoothIntegrator *other = integrator_ == bounces_.get() ? primary_.get() : fallback_.get();
+  if (status != StepStatus::Done && other != nullptr && integrator_ != other) {
+    if (!fallBack(*other))
       return failEvaluation();
     status = integrator_->step(limit);
   }
@@ -575,7 +590,7 @@ tf_status Simulation::Implementation::step(double limit) {
     return handle(event, limit);
   detection_->advance();
   commit();
-  if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack())
+  if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack(*fallback_))
     return failEvaluation();
   return TF_OK;
 }
@@ -699,7 +714,7 @@ const tf_statistics &Simulation::statistics() const {
   Implementation &run = *implementation_;
   tf_statistics &statistics = run.statistics_;
   statistics.rejected_steps = statistics.jacobians = statistics.newton_iterations = 0;
-  for (const SmoothIntegrator *integrator : {run.primary_.get(), run.fallback_.get()})
+  for (const SmoothIntegrator *integrator : {run.primary_.get(), run.fallback_.get(), run.bounces_.get()})
     if (integrator != nullptr) {
       statistics.rejected_steps += integrator->statistics().rejected;
       statistics.jacobians += integrator->statistics().jacobians;
