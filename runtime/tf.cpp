@@ -368,6 +368,49 @@ tf_status tf_set_energy_balance(tf_simulation *simulation, int on) {
   });
 }
 
+tf_status tf_set_sensitivities(tf_simulation *simulation, const char *const *names, size_t count) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
+    std::vector<std::int32_t> columns;
+    for (size_t k = 0; k < count; ++k) {
+      const auto found = content.instance.find(names[k]);
+      if (!found)
+        return bad(simulation, content.instance.unknownName(names[k]));
+      const tf_variable &variable = content.instance.model().variables[found->variable];
+      const bool isSource = variable.kind == TF_KIND_PARAMETER || variable.kind == TF_KIND_COORDINATE ||
+                            variable.kind == TF_KIND_VELOCITY || variable.kind == TF_KIND_STATE || variable.kind == TF_KIND_INPUT;
+      const int discrete = TF_STRUCTURAL | TF_BOOLEAN | TF_INTEGER;
+      if (!isSource || (variable.flags & discrete) != 0 || found->sign < 0)
+        return bad(simulation, fmt::format("'{}' is no real parameter, start or input to differentiate by", names[k]));
+      columns.push_back(found->variable);
+    }
+    content.options.sensitivities = std::move(columns);
+    return TF_OK;
+  });
+}
+
+tf_status tf_get_sensitivity(tf_simulation *simulation, size_t column, double *values) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+    if (column >= content.options.sensitivities.size())
+      return bad(simulation, fmt::format("there are {} sensitivities, not {}", content.options.sensitivities.size(), column + 1));
+    if (!content.simulation->sensitivity(static_cast<int>(column), values))
+      return bad(simulation, "the sensitivities cannot be evaluated here");
+    return TF_OK;
+  });
+}
+
+tf_status tf_get_sensitivity_before(tf_simulation *simulation, size_t column, double *values) {
+  return guarded(simulation, [&](Content &content) {
+    if (!content.inEvent)
+      return bad(simulation, "values before an event exist in the event callback only");
+    if (column >= content.options.sensitivities.size())
+      return bad(simulation, fmt::format("there are {} sensitivities, not {}", content.options.sensitivities.size(), column + 1));
+    content.simulation->sensitivityBeforeEvent(static_cast<int>(column), values);
+    return TF_OK;
+  });
+}
+
 tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data) {
   return guarded(simulation, [&](Content &content) {
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));

@@ -94,6 +94,14 @@ tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixe
  * balance's error in the statistics, where all worst values are then taken over all steps. It costs a few evaluations of the model in each
  * step. Off at first. */
 tf_status tf_set_energy_balance(tf_simulation *simulation, int on);
+/* Forward sensitivities: the run is differentiated by the named parameters, starts (of coordinates, velocities, states) and inputs (a
+ * constant added to them), across switches and impacts. Replaces an earlier list; count 0 ends it. */
+tf_status tf_set_sensitivities(tf_simulation *simulation, const char *const *names, size_t count);
+/* Derivatives of all variables by name number `column` of that list, at the current point, in the order of model->variables. Work, losses
+ * and impulses are not differentiated (0). */
+tf_status tf_get_sensitivity(tf_simulation *simulation, size_t column, double *values);
+/* In an event callback: the same just before the event. */
+tf_status tf_get_sensitivity_before(tf_simulation *simulation, size_t column, double *values);
 /* Called at every event, in order. */
 typedef void (*tf_event_callback)(void *data, const tf_event *event);
 tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data);

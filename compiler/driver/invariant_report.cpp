@@ -16,9 +16,7 @@ struct Check {
   double violation, allowed, time;
 };
 
-std::string at(const char *what, const char *element, double value) {
-  return fmt::format("{} of {:.3g} in '{}'", what, value, element);
-}
+std::string at(const char *what, const char *element, double value) { return fmt::format("{} of {:.3g} in '{}'", what, value, element); }
 
 }  // namespace
 

@@ -163,6 +163,9 @@ struct RunSyntax : Syntax {
     option("--fixed-step", fixedStep, "H", "step integrator without error control");
     option("--events", events, "both|after", "rows of the result at an event: before and after it, or after it [both]");
     option("-o,--output", output, "FILE", "result: .csv or .json");
+    option(
+        "--sensitivity", sensitivities, "NAME",
+        "derivatives of coordinates, velocities, states and outputs by a parameter, start or input as columns of the result (repeatable)");
     option("--event-log", eventLog, "FILE.csv", "one row for each event");
     app->add_flag("--check-invariants", checkInvariants,
                   "report the worst penetration, normal force, constraint residual and energy balance; fail where one is too large")
@@ -172,7 +175,8 @@ struct RunSyntax : Syntax {
     app->add_flag("--no-cache", noCache, "neither use nor store compiled code")->disable_flag_override();
   }
 
-  Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog;
+  Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog,
+      sensitivities;
   bool quiet = false, verbose = false, noCache = false, checkInvariants = false;
 
   void finish(RunOptions &options, Reader &reader, Diagnostics &diagnostics) const {
@@ -193,6 +197,7 @@ struct RunSyntax : Syntax {
     options.verbose = verbose;
     options.noCache = noCache;
     options.checkInvariants = checkInvariants;
+    options.sensitivities = sensitivities;
     checkCombinations(options, diagnostics);
   }
 
@@ -205,6 +210,8 @@ private:
       diagnostics.report(diag::OptionNeedsOption, {}, "--stages", "with this integrator: it belongs to --integrator step");
     if (options.fixedStep > 0 && otherIntegrator)
       diagnostics.report(diag::OptionNeedsOption, {}, "--fixed-step", "with this integrator: it belongs to --integrator step");
+    if (!options.sensitivities.empty() && options.output.empty())
+      diagnostics.report(diag::OptionNeedsOption, {}, "--sensitivity", "without -o: derivatives are columns of the result");
     if (options.quiet && options.verbose)
       diagnostics.report(diag::OptionNeedsOption, {}, "--quiet", "together with --verbose");
     if (!options.output.empty() && options.output == options.eventLog)

@@ -43,6 +43,7 @@ struct RunOptions : ModelOptions {
   std::string output, eventLog;
   bool quiet = false, verbose = false, noCache = false;
   bool checkInvariants = false;
+  std::vector<std::string> sensitivities;  // --sensitivity, as written
 };
 
 enum class Command : std::uint8_t { Nothing, Check, Compile, Run };

@@ -1,6 +1,8 @@
 #include "compiler/driver/result_rows.h"
 
 #include <cstring>
+#include <fmt/format.h>
+#include <limits>
 
 namespace tf::driver {
 
@@ -26,7 +28,9 @@ Outcome<std::unique_ptr<ResultRows>> ResultRows::create(tf_simulation *simulatio
   std::unique_ptr<ResultRows> rows(new ResultRows(simulation, options));
   const tf_model &model = *tf_get_model(simulation);
   if (!options.output.empty()) {
-    auto writer = runtime::ResultWriter::create(options.output, model, runtime::visibleColumns(model));
+    std::vector<runtime::ResultColumn> columns = runtime::visibleColumns(model);
+    rows->addSensitivityColumns(options.sensitivities, columns);
+    auto writer = runtime::ResultWriter::create(options.output, model, std::move(columns));
     if (!writer)
       return Failure{writer.error()};
     rows->results_ = std::move(writer.value());
@@ -38,6 +42,40 @@ Outcome<std::unique_ptr<ResultRows>> ResultRows::create(tf_simulation *simulatio
     rows->log_ = std::move(log.value());
   }
   return rows;
+}
+
+// Of every coordinate, velocity, state and output by each of the names, behind the variables of a row.
+void ResultRows::addSensitivityColumns(const std::vector<std::string> &names, std::vector<runtime::ResultColumn> &columns) {
+  const tf_model &model = *tf_get_model(simulation_);
+  sensitivityCount_ = names.size();
+  derivatives_.resize(row_.size());
+  for (std::int32_t i = 0; i < model.variable_count && !names.empty(); ++i) {
+    const std::int32_t kind = model.variables[i].kind;
+    const bool isWanted = kind == TF_KIND_COORDINATE || kind == TF_KIND_VELOCITY || kind == TF_KIND_STATE || kind == TF_KIND_OUTPUT;
+    if (isWanted && (model.variables[i].flags & TF_PROTECTED) == 0)
+      differentiated_.push_back(i);
+  }
+  for (const std::string &name : names)
+    for (const std::int32_t variable : differentiated_)
+      sensitivityNames_.push_back(fmt::format("d({})/d({})", model.variables[variable].name, name));
+  for (std::size_t k = 0; k < sensitivityNames_.size(); ++k)
+    columns.push_back({model.variable_count + static_cast<std::int32_t>(k), 1, sensitivityNames_[k].c_str(), "sensitivity", ""});
+  row_.resize(row_.size() + sensitivityNames_.size());
+  before_.resize(row_.size());
+}
+
+void ResultRows::readPoint(std::vector<double> &row, bool before) {
+  if (before)
+    tf_get_all_before(simulation_, row.data());
+  else
+    tf_get_all(simulation_, row.data());
+  std::size_t place = derivatives_.size();
+  for (std::size_t k = 0; k < sensitivityCount_; ++k) {
+    const tf_status status =
+        before ? tf_get_sensitivity_before(simulation_, k, derivatives_.data()) : tf_get_sensitivity(simulation_, k, derivatives_.data());
+    for (const std::int32_t variable : differentiated_)
+      row[place++] = status == TF_OK ? derivatives_[static_cast<std::size_t>(variable)] : std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 void ResultRows::keep(const Outcome<void> &outcome) {
@@ -56,7 +94,7 @@ void ResultRows::write(const std::vector<double> &row) {
 void ResultRows::point() {
   if (!results_)
     return;
-  tf_get_all(simulation_, row_.data());
+  readPoint(row_, false);
   if (isPending_ && pending_[kTime] != row_[kTime])
     write(pending_);
   isPending_ = false;
@@ -71,8 +109,8 @@ void ResultRows::event(const tf_event &event) {
   if (!results_)
     return;
   if (policy_ == EventRows::Both) {
-    tf_get_all_before(simulation_, before_.data());
-    tf_get_all(simulation_, row_.data());
+    readPoint(before_, true);
+    readPoint(row_, false);
     if (sameRow(before_, eventBefore_) && sameRow(row_, eventAfter_))
       return;
     eventBefore_ = before_;
@@ -81,7 +119,7 @@ void ResultRows::event(const tf_event &event) {
     write(row_);
     return;
   }
-  tf_get_all(simulation_, row_.data());
+  readPoint(row_, false);
   if (isPending_ && pending_[kTime] != row_[kTime])
     write(pending_);
   pending_ = row_;

@@ -39,6 +39,8 @@ public:
 private:
   ResultRows(tf_simulation *simulation, const RunOptions &options);
 
+  void addSensitivityColumns(const std::vector<std::string> &names, std::vector<runtime::ResultColumn> &columns);
+  void readPoint(std::vector<double> &row, bool before);
   void write(const std::vector<double> &row);
   void keep(const runtime::Outcome<void> &outcome);
 
@@ -47,6 +49,10 @@ private:
   bool noteEvents_;
   std::unique_ptr<runtime::ResultWriter> results_;
   std::unique_ptr<runtime::EventLog> log_;
+  std::vector<std::string> sensitivityNames_;  // of columns, "d(x)/d(mu)"
+  std::vector<std::int32_t> differentiated_;   // variables
+  std::size_t sensitivityCount_ = 0;           // of parameters, starts and inputs
+  std::vector<double> derivatives_;            // of all variables by one of them
   std::vector<double> row_, before_, lastRow_;
   std::vector<double> eventBefore_, eventAfter_;  // rows of the latest event: several events of one impact have the same
   std::vector<double> pending_;                   // after an event (--events after), until time goes on

@@ -77,6 +77,14 @@ void configure(tf_simulation *simulation, const RunOptions &options, const tf_mo
   tf_set_energy_balance(simulation, options.checkInvariants || !options.output.empty() ? 1 : 0);
 }
 
+void setSensitivities(tf_simulation *simulation, const std::vector<std::string> &names) {
+  std::vector<const char *> texts;
+  texts.reserve(names.size());
+  for (const std::string &name : names)
+    texts.push_back(name.c_str());
+  tf_set_sensitivities(simulation, texts.data(), texts.size());
+}
+
 class Run {
 public:
   Run(PreparedModel &prepared, const RunOptions &options, const Grid &grid, ResultRows &rows, Session &session)
@@ -159,6 +167,12 @@ int runCommand(const RunOptions &options, Session &session) {
   if (session.diagnostics.hasErrors())
     return session.exitCode();
   configure(prepared->simulation.get(), options, model);
+  for (const std::string &name : options.sensitivities)
+    if (const char *text = name.c_str(); tf_set_sensitivities(prepared->simulation.get(), &text, 1) != TF_OK)
+      session.diagnostics.report(diag::NoSensitivity, {}, name, tf_error_text(prepared->simulation.get()));
+  if (session.diagnostics.hasErrors())
+    return session.exitCode();
+  setSensitivities(prepared->simulation.get(), options.sensitivities);
   auto rows = ResultRows::create(prepared->simulation.get(), options);
   if (!rows) {
     session.diagnostics.report(diag::CannotWrite, {}, rows.error());

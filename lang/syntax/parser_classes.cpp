@@ -397,7 +397,9 @@ bool Parser::parseCompositionItem(ast::ClassDefinition &definition, ast::ListBui
     return true;
   const std::size_t start = position_;
   const ast::Element element = parseElement(isProtected);
-  if (std::exchange(foundEquation_, false)) {
+  // Of an equation in a class that the element contains, that class has made what it could: reading the element again would read it twice
+  // on each level of nesting.
+  if (std::exchange(foundEquation_, false) && itemStart_ == start) {
     // Read as if the keyword stood here.
     resume();
     rewind(start);

@@ -59,7 +59,20 @@ bool ModelEvaluation::setParameters(const double *parameters) {
 void ModelEvaluation::setSegment(double segment) {
   segment_ = segment;
   constantInputs_ = inputs_->isConstant(segment);
-  inputs_->evaluate(segment, segment, input.data(), inputRate.data());
+  evaluateInputs(segment);
+}
+
+void ModelEvaluation::evaluateInputs(double time) {
+  inputs_->evaluate(time, segment_, input.data(), inputRate.data());
+  for (std::size_t k = 0; k < inputShift_.size(); ++k)
+    input[k] += inputShift_[k];
+}
+
+void ModelEvaluation::shiftInputs(const double *direction, double s) {
+  inputShift_.resize(input.size());
+  for (std::size_t k = 0; k < inputShift_.size(); ++k)
+    inputShift_[k] = s * direction[k];
+  setSegment(segment_);
 }
 
 void ModelEvaluation::setPoint(double time, const double *state) {
@@ -68,7 +81,7 @@ void ModelEvaluation::setPoint(double time, const double *state) {
   in_[TF_IN_V] = state + model_->nq;
   in_[TF_IN_Z] = state + model_->nq + model_->nv;
   if (!constantInputs_)
-    inputs_->evaluate(time, segment_, input.data(), inputRate.data());
+    evaluateInputs(time);
 }
 
 bool ModelEvaluation::dynamics() {

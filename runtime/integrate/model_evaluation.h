@@ -20,6 +20,8 @@ public:
   bool setParameters(const double *parameters);
   // A time strictly inside the smooth piece of the inputs that is meant.
   void setSegment(double segment);
+  // Adds s · direction [nu] to the inputs from now on.
+  void shiftInputs(const double *direction, double s);
   [[nodiscard]] double segment() const { return segment_; }
   // The state [stateSize()] must stay where it is until the functions have been called.
   void setPoint(double time, const double *state);
@@ -57,6 +59,7 @@ public:
   [[nodiscard]] int tauIndex() const { return stateSize() - 1; }
   [[nodiscard]] int columns() const { return model_->nq + model_->nv + model_->nz + model_->nu + 1; }
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
+  [[nodiscard]] const double *parameters() const { return in_[TF_IN_P]; }
   [[nodiscard]] double time() const { return time_; }
 
   Mobility mobility;
@@ -75,10 +78,12 @@ public:
   std::vector<double> input, inputRate, stepVariable, acceleration, normalForce, tangentForce, multiplier;
 
 private:
+  void evaluateInputs(double time);
+
   const tf_model *model_;
   const InputSignals *inputs_;
   const double *in_[TF_IN_COUNT] = {};
-  std::vector<double> coordinateChange_;
+  std::vector<double> coordinateChange_, inputShift_;
   double time_ = 0, segment_ = 0;
   bool constantInputs_ = false;
 };

@@ -155,6 +155,19 @@ Outcome<void> ModelInstance::checkParameters() const {
 }
 
 // Set parameters keep their values; each evaluation makes one more level of bound ones right.
+void ModelInstance::nudge(std::int32_t variable, double change, double startTime) {
+  const tf_variable &moved = model_->variables[variable];
+  const auto index = static_cast<std::size_t>(moved.index);
+  const Starts starts = this->starts(startTime);
+  const std::vector<double> &values = moved.kind == TF_KIND_PARAMETER    ? parameters_
+                                      : moved.kind == TF_KIND_COORDINATE ? starts.q
+                                      : moved.kind == TF_KIND_VELOCITY   ? starts.v
+                                      : moved.kind == TF_KIND_STATE      ? starts.z
+                                                                         : starts.u;
+  (*overridesOf(moved.kind))[index] = values[index] + change;
+  evaluateBindings();
+}
+
 void ModelInstance::evaluateBindings() {
   for (std::size_t i = 0; i < parameters_.size(); ++i)
     if (parameterOverrides_[i])

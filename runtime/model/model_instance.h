@@ -40,6 +40,8 @@ public:
   // the reason: unknown names, results, parameters that are final, protected or structural, values that are NaN, outside min and max, not
   // whole (Integer) or not 0 or 1 (Boolean).
   Outcome<void> set(std::string_view name, double value);
+  // Moves a parameter, a start or an input's default by `change`, whatever its bounds: for derivatives at the border of what is allowed.
+  void nudge(std::int32_t variable, double change, double startTime);
   // Whether variable number `variable` may take the value: NaN, infinity of non-bounds, min, max, Integer, Boolean. `name` is what the
   // message calls it.
   [[nodiscard]] Outcome<void> checkValue(std::int32_t variable, double value, std::string_view name) const;

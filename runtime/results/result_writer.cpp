@@ -112,7 +112,7 @@ private:
       text += i == 0 ? "\n    {\"name\": " : ",\n    {\"name\": ";
       appendJsonString(text, column.name);
       text += ", \"unit\": ";
-      appendJsonString(text, model_->variables[column.variable].unit);
+      appendJsonString(text, column.unit);
       text += ", \"description\": ";
       appendJsonString(text, column.description);
       text += '}';
@@ -175,12 +175,12 @@ std::vector<ResultColumn> visibleColumns(const tf_model &model) {
   const auto isVisible = [&](std::int32_t variable) { return (model.variables[variable].flags & TF_PROTECTED) == 0; };
   for (std::int32_t i = 0; i < model.variable_count; ++i)
     if (isVisible(i))
-      columns.push_back({i, 1, model.variables[i].name, model.variables[i].description});
+      columns.push_back({i, 1, model.variables[i].name, model.variables[i].description, model.variables[i].unit});
   for (std::int32_t i = 0; i < model.alias_count; ++i) {
     const tf_alias &alias = model.aliases[i];
     const char *description = *alias.description != '\0' ? alias.description : model.variables[alias.variable].description;
     if (isVisible(alias.variable))
-      columns.push_back({alias.variable, alias.sign, alias.name, description});
+      columns.push_back({alias.variable, alias.sign, alias.name, description, model.variables[alias.variable].unit});
   }
   return columns;
 }

@@ -11,6 +11,7 @@
 #include "runtime/simulate/invariants.h"
 #include "runtime/simulate/mode_selection.h"
 #include "runtime/simulate/rest_prediction.h"
+#include "runtime/simulate/sensitivities.h"
 #include "runtime/simulate/variable_values.h"
 
 #include <fmt/format.h>
@@ -42,6 +43,7 @@ public:
   tf_status initialise(double startTime);
   tf_status advanceTo(double time);
   void values(double *all);
+  bool sensitivity(int column, double *all);
 
   // Continuation state; plain data.
   [[nodiscard]] std::size_t stateSize() const;
@@ -63,9 +65,10 @@ public:
   double time_ = 0;
   std::vector<double> state_, rate_, before_;  // q, v, z, tau; its rate; state before the event that is being handled
   std::vector<double> impulse_;
-  std::vector<double> beforeValues_;
+  std::vector<double> beforeValues_, beforeSensitivities_;
   Mode mode_;
   bool modeValid_ = false;
+  bool sensitivitiesAreGood_ = true;
   double suggestedStep_ = 0;
   std::uint64_t inputRevision_ = 0;
   int eventsHere_ = 0;  // since physical time last moved
@@ -79,6 +82,7 @@ public:
   std::unique_ptr<EventDetection> detection_;
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
   Invariants invariants_;
+  std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
 
 private:
   struct Transition {
@@ -89,6 +93,8 @@ private:
   tf_status fail(std::string text);
   tf_status checkSupported();
   tf_status checkStart();
+  tf_status solveStart();
+  tf_status failSensitivities(std::string_view where);
   tf_status failEvaluation();
   std::string describeNonFinite();
   std::string describeNegativeFriction();
@@ -138,6 +144,27 @@ tf_status Simulation::Implementation::checkSupported() {
                       model_.frictions[i].name, model_.frictions[i].tangent_count, model_.frictions[i].location.file,
                       model_.frictions[i].location.line));
   return TF_OK;
+}
+
+tf_status Simulation::Implementation::solveStart() {
+  sensitivities_.reset();
+  if (!owner_.options.sensitivities.empty()) {
+    sensitivities_ = std::make_unique<Sensitivities>(dynamics_, instance_, inputs_, owner_.options.sensitivities);
+    sensitivities_->start(time_);
+    beforeSensitivities_.assign(owner_.options.sensitivities.size() * static_cast<std::size_t>(model_.variable_count),
+                                std::numeric_limits<double>::quiet_NaN());
+  }
+  const auto constrained = [this](double time, double *state) { return ConstrainedStart(at_).solve(time, state).empty(); };
+  const std::vector<double> given = state_;
+  if (std::string text = ConstrainedStart(at_).solve(time_, state_.data()); !text.empty())
+    return fail(std::move(text));
+  if (sensitivities_ && model_.nh > 0 && !sensitivities_->propagate(constrained, time_, given.data()))
+    return failSensitivities("the constraints' start");
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::failSensitivities(std::string_view where) {
+  return fail(fmt::format("the sensitivities cannot be continued over {} at t = {:.10g}", where, time_));
 }
 
 tf_status Simulation::Implementation::checkStart() {
@@ -302,8 +329,8 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   enterSegment();
   if (const tf_status status = checkSupported(); status != TF_OK)
     return status;
-  if (std::string text = ConstrainedStart(at_).solve(time_, state_.data()); !text.empty())
-    return fail(std::move(text));
+  if (const tf_status status = solveStart(); status != TF_OK)
+    return status;
   if (const tf_status status = checkStart(); status != TF_OK)
     return status;
   energy_.reset();
@@ -362,6 +389,8 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
     if (selection.indeterminate)
       transitions.push_back({TF_EVENT_PAINLEVE, -1});
     compareModes(previous, mode_, transitions);
+    if (sensitivities_)
+      sensitivities_->endEvent(rate_.data());
     startIntegrator();
     return TF_OK;
   }
@@ -374,6 +403,12 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   std::vector<double> incoming;
   if (energy_)
     incoming = state_;
+  if (sensitivities_) {
+    std::vector<double> ignored(model_.nc);
+    const auto impact = [&](double time, double *state) { return impact_.apply(time, state, contacts, forced, ignored.data()); };
+    if (!sensitivities_->propagate(impact, time_, state_.data()))
+      return failSensitivities("the impact");
+  }
   if (!impact_.apply(time_, state_.data(), contacts, forced, impulse_.data()))
     return fail(fmt::format("{} at t = {:.10g}", impact_.text(), time_));
   if (energy_)
@@ -421,8 +456,12 @@ void Simulation::Implementation::compareModes(const Mode &from, const Mode &to, 
 // Remembers the point before an event; the state is the one just before it.
 void Simulation::Implementation::beginEvent() {
   before_ = state_;
-  if (owner_.onEvent)
-    values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
+  if (!owner_.onEvent)
+    return;
+  values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
+  for (int column = 0; sensitivities_ && column < sensitivities_->columnCount(); ++column)
+    if (double *all = beforeSensitivities_.data() + static_cast<std::ptrdiff_t>(column) * model_.variable_count; !sensitivity(column, all))
+      std::fill_n(all, model_.variable_count, std::numeric_limits<double>::quiet_NaN());
 }
 
 void Simulation::Implementation::report(const std::vector<Transition> &transitions) {
@@ -450,6 +489,7 @@ void Simulation::Implementation::commit() {
     eventsHere_ = 0;
   if (energy_)
     energy_->addStep(*integrator_);
+  sensitivitiesAreGood_ = !sensitivities_ || sensitivities_->addStep(*integrator_);
   time_ = integrator_->endTime();
   std::copy_n(integrator_->end(), n_, state_.begin());
   std::copy_n(integrator_->endRate(), n_, rate_.begin());
@@ -478,6 +518,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return failEvaluation();
   dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
   commit();
+  if (!sensitivitiesAreGood_)
+    return failSensitivities("the step that ends");
   if (++eventsHere_ > mostEventsAtOneTime)
     return fail(fmt::format("no consistent continuation: {} events at t = {:.10g} without progress", eventsHere_, time_));
   // Other least-norm forces of redundant contacts: the same motion, no event.
@@ -487,6 +529,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return TF_OK;
   }
   beginEvent();
+  if (sensitivities_ && !sensitivities_->beginEvent(time_, state_.data(), rate_.data(), event.guard))
+    return failSensitivities("an event where a switching function touches zero");
   SwitchHint hint;
   if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
@@ -512,6 +556,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
 
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
+  if (sensitivities_)
+    return failSensitivities("infinitely many impacts");
   const double lastImpact = time_;
   const std::vector<double> afterImpact = state_;
   time_ = point.time;
@@ -590,6 +636,8 @@ tf_status Simulation::Implementation::step(double limit) {
     return handle(event, limit);
   detection_->advance();
   commit();
+  if (!sensitivitiesAreGood_)
+    return failSensitivities("the step that ends");
   if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack(*fallback_))
     return failEvaluation();
   return TF_OK;
@@ -617,6 +665,13 @@ tf_status Simulation::Implementation::advanceTo(double time) {
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
   observeInvariants();
+}
+
+bool Simulation::Implementation::sensitivity(int column, double *all) {
+  const auto evaluate = [this](double time, double *state, double *result) {
+    return values_.evaluate(time, state, impulse_.data(), at_.parameters(), result);
+  };
+  return sensitivities_ && sensitivities_->differentiate(evaluate, time_, state_.data(), column, model_.variable_count, all);
 }
 
 // The dynamics has been evaluated at (time_, state_).
@@ -703,6 +758,14 @@ double Simulation::time() const { return implementation_->time_; }
 double Simulation::tau() const { return implementation_->state_.back(); }
 
 void Simulation::values(double *all) { implementation_->values(all); }
+
+bool Simulation::sensitivity(int column, double *all) { return implementation_->sensitivity(column, all); }
+
+void Simulation::sensitivityBeforeEvent(int column, double *all) {
+  const auto count = static_cast<std::size_t>(implementation_->model_.variable_count);
+  std::copy_n(implementation_->beforeSensitivities_.begin() + static_cast<std::ptrdiff_t>(count * static_cast<std::size_t>(column)), count,
+              all);
+}
 
 void Simulation::valuesBeforeEvent(double *all) {
   std::copy(implementation_->beforeValues_.begin(), implementation_->beforeValues_.end(), all);

@@ -11,15 +11,17 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace tf::runtime {
 
 struct SimulationOptions {
   double tolerance = 1e-6;  // relative, and absolute in units of each variable's nominal
   tf_integrator integrator = TF_AUTO;
-  int stages = 0;              // Radau IIA stages 1..4; 0: by tolerance
-  double fixedStep = 0;        // > 0: no error control (studies of order)
-  bool energyBalance = false;  // work, losses and the balance's error
+  int stages = 0;                           // Radau IIA stages 1..4; 0: by tolerance
+  double fixedStep = 0;                     // > 0: no error control (studies of order)
+  std::vector<std::int32_t> sensitivities;  // numbers of the variables by which the run is differentiated
+  bool energyBalance = false;               // work, losses and the balance's error
 };
 
 class Simulation {
@@ -42,6 +44,10 @@ public:
   [[nodiscard]] double tau() const;
   // model->variable_count values in the order of the table of variables.
   void values(double *all);
+  // Derivatives of all variables by options.sensitivities[column] (the mode is held). False: they cannot be evaluated here.
+  bool sensitivity(int column, double *all);
+  // The same just before the latest event; called from onEvent only.
+  void sensitivityBeforeEvent(int column, double *all);
   // State just before the latest event, in the same order (--events both); called from onEvent only.
   void valuesBeforeEvent(double *all);
   [[nodiscard]] const std::string &errorText() const;

@@ -271,6 +271,14 @@ TEST(SyntaxDiagnostics, AFileOfStrayBytesBehindAStringIsNotRight) {
   EXPECT_TRUE(parsed.diagnostics.hasErrors());
 }
 
+// Recovery reads no text twice on each level of nesting: 2^60 readings would never end.
+TEST(SyntaxDiagnostics, AnEquationInNestedUnfinishedModelsIsReadOnce) {
+  std::string text = "model A ";
+  for (int level = 0; level < 60; ++level)
+    text += "model A ";
+  EXPECT_TRUE(test::parse(text + "model ne outer r = ").diagnostics.hasErrors());
+}
+
 TEST(SyntaxDiagnostics, CodesAreUnique) {
   std::set<std::string> codes;
   for (const DiagnosticKind *kind : allKinds)

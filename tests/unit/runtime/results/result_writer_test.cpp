@@ -48,7 +48,7 @@ private:
 std::vector<ResultColumn> columns(const tf_model &model, const std::vector<std::int32_t> &numbers) {
   std::vector<ResultColumn> result;
   for (const std::int32_t number : numbers)
-    result.push_back({number, 1, model.variables[number].name, model.variables[number].description});
+    result.push_back({number, 1, model.variables[number].name, model.variables[number].description, model.variables[number].unit});
   return result;
 }
 

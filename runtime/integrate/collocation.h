@@ -1,0 +1,20 @@
+// Nodes and weights of collocation methods on [0, 1] (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5).
+#pragma once
+
+#include <vector>
+
+namespace tf::runtime {
+
+// Weights w with Σ w_j p(x_j) = functional(p) for all polynomials of degree below the number of nodes; moments[k] = functional(x^k).
+[[nodiscard]] std::vector<double> interpolatoryWeights(const std::vector<double> &nodes, const std::vector<long double> &moments);
+
+// Moments of the integral from 0 to `end`, less gamma times the value at 0.
+[[nodiscard]] std::vector<long double> integralMoments(int count, long double end, long double gamma = 0);
+
+// Zeros of P_s − P_{s−1} (Legendre polynomials on [0, 1]), ascending, the last one 1; 1 ≤ stages ≤ 4.
+[[nodiscard]] std::vector<double> radauNodes(int stages);
+
+// The four zeros of P_4, ascending: order 8.
+[[nodiscard]] std::vector<double> gaussNodes();
+
+}  // namespace tf::runtime

@@ -1,0 +1,252 @@
+#include "runtime/simulate/sensitivities.h"
+
+#include "runtime/integrate/collocation.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// Of a difference, relative to the magnitude of what changes: rounding 1e-16 / 1e-4, truncation (1e-4)⁴.
+constexpr double differenceStep = 1e-4;
+
+}  // namespace
+
+Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instance, const InputSignals &inputs,
+                             std::vector<std::int32_t> columns)
+    : dynamics_(dynamics), instance_(instance), inputs_(inputs), n_(dynamics.model().tauIndex()), columns_(columns.size()),
+      parameters_(instance.parameters().begin(), instance.parameters().end()), shifted_(parameters_),
+      matrix_(Eigen::MatrixXd::Zero(n_, static_cast<Eigen::Index>(columns.size()))),
+      eventTime_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()))), state_(static_cast<std::size_t>(dynamics.size())),
+      rate_(static_cast<std::size_t>(dynamics.size())), nodes_(gaussNodes()) {
+  for (std::size_t k = 0; k < columns.size(); ++k)
+    columns_[k].variable = columns[k];
+  const int stages = static_cast<int>(nodes_.size());
+  weights_ = interpolatoryWeights(nodes_, integralMoments(stages, 1));
+  for (const double node : nodes_) {
+    const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, node));
+    coefficients_.insert(coefficients_.end(), row.begin(), row.end());
+  }
+}
+
+bool Sensitivities::difference(const std::function<bool(double s, double *values)> &function, double scale, int count, double *derivative) {
+  const double h = differenceStep / scale;
+  samples_.resize(5 * static_cast<std::size_t>(count));
+  const auto sum = [&](const std::array<double, 5> &places, const std::array<double, 5> &weights) {
+    for (std::size_t k = 0; k < places.size(); ++k)
+      if (weights[k] != 0 && !function(places[k] * h, samples_.data() + k * static_cast<std::size_t>(count)))
+        return false;
+    for (int i = 0; i < count; ++i) {
+      derivative[i] = 0;
+      for (std::size_t k = 0; k < places.size(); ++k)
+        if (weights[k] != 0)
+          derivative[i] += weights[k] * samples_[k * static_cast<std::size_t>(count) + static_cast<std::size_t>(i)] / h;
+    }
+    return true;
+  };
+  return sum({-2, -1, 0, 1, 2}, {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12}) || sum({0, 1, 2, 3, 4}, {-25.0 / 12, 4, -3, 4.0 / 3, -0.25}) ||
+         sum({0, -1, -2, -3, -4}, {25.0 / 12, -4, 3, -4.0 / 3, 0.25});
+}
+
+// The starts, parameters and inputs of a copy of the instance in which θ has another value.
+void Sensitivities::makeColumn(Column &column, double time) {
+  const tf_model &model = instance_.model();
+  const tf_variable &variable = model.variables[column.variable];
+  const std::size_t parameters = parameters_.size(), inputs = static_cast<std::size_t>(model.nu);
+  const auto all = [&](double s, double *values) {
+    ModelInstance other = instance_;
+    other.nudge(column.variable, s, time);
+    const Starts starts = other.starts(time);
+    double *place = std::copy(starts.q.begin(), starts.q.end(), values);
+    place = std::copy(starts.v.begin(), starts.v.end(), place);
+    place = std::copy(starts.z.begin(), starts.z.end(), place);
+    place = std::copy(other.parameters().begin(), other.parameters().end(), place);
+    std::copy(starts.u.begin(), starts.u.end(), place);
+    return true;
+  };
+  std::vector<double> derivative(static_cast<std::size_t>(n_) + parameters + inputs);
+  const double magnitude = variable.kind == TF_KIND_PARAMETER ? std::abs(parameters_[static_cast<std::size_t>(variable.index)]) : 0;
+  difference(all, 1 / std::max({magnitude, std::abs(variable.nominal), 1e-300}), static_cast<int>(derivative.size()), derivative.data());
+  const auto index = static_cast<Eigen::Index>(&column - columns_.data());
+  std::copy_n(derivative.begin(), n_, matrix_.col(index).data());
+  column.parameters.assign(derivative.begin() + n_, derivative.begin() + n_ + static_cast<std::ptrdiff_t>(parameters));
+  column.inputs.assign(derivative.begin() + n_ + static_cast<std::ptrdiff_t>(parameters), derivative.end());
+  for (std::size_t k = 0; k < inputs; ++k)
+    if (inputs_.isGiven(static_cast<std::int32_t>(k)))
+      column.inputs[k] = 0;
+  if (variable.kind == TF_KIND_INPUT)
+    column.inputs[static_cast<std::size_t>(variable.index)] = 1;
+  const auto isNotZero = [](double value) { return value != 0; };
+  column.movesModel = std::any_of(column.parameters.begin(), column.parameters.end(), isNotZero) ||
+                      std::any_of(column.inputs.begin(), column.inputs.end(), isNotZero);
+}
+
+void Sensitivities::start(double time) {
+  for (Column &column : columns_)
+    makeColumn(column, time);
+  eventTime_.setZero();
+}
+
+void Sensitivities::shift(const Column &column, double s) {
+  if (!column.movesModel)
+    return;
+  for (std::size_t i = 0; i < parameters_.size(); ++i)
+    shifted_[i] = parameters_[i] + s * column.parameters[i];
+  dynamics_.model().setParameters(shifted_.data());
+  dynamics_.model().shiftInputs(column.inputs.data(), s);
+}
+
+// 1 / magnitude of s that changes something by as much as its own size.
+double Sensitivities::scaleOf(const Column &column, const double *direction) const {
+  double largest = 0;
+  for (int i = 0; i < n_; ++i)
+    largest = std::max(largest, std::abs(direction[i]) / std::max(1.0, std::abs(state_[static_cast<std::size_t>(i)])));
+  for (std::size_t i = 0; i < parameters_.size(); ++i)
+    if (column.parameters[i] != 0)
+      largest = std::max(largest, std::abs(column.parameters[i]) / (parameters_[i] != 0 ? std::abs(parameters_[i]) : 1.0));
+  for (const double input : column.inputs)
+    largest = std::max(largest, std::abs(input));
+  return largest > 0 ? largest : 1;
+}
+
+// b = ∂f/∂θ at fixed state.
+bool Sensitivities::inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b) {
+  bool isGood = true;
+  const std::vector<double> still(static_cast<std::size_t>(n_));
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    const Column &column = columns_[k];
+    auto target = b.col(static_cast<Eigen::Index>(k));
+    target.setZero();
+    if (!column.movesModel)
+      continue;
+    const auto rate = [&](double s, double *values) {
+      shift(column, s);
+      if (!dynamics_.evaluate(time, state, rate_.data()))
+        return false;
+      std::copy_n(rate_.begin(), n_, values);
+      return true;
+    };
+    isGood = difference(rate, scaleOf(column, still.data()), n_, target.data()) && isGood;
+    shift(column, 0);
+  }
+  return isGood;
+}
+
+bool Sensitivities::addStep(SmoothIntegrator &integrator) {
+  const int stages = static_cast<int>(nodes_.size()), full = dynamics_.size();
+  const double begin = integrator.beginTime(), h = integrator.endTime() - begin;
+  if (!(h > 0) || columns_.empty() || n_ == 0)
+    return true;
+  std::vector<Eigen::MatrixXd> slopes(nodes_.size(), Eigen::MatrixXd(n_, n_)), offsets(nodes_.size(), Eigen::MatrixXd(n_, columnCount()));
+  Eigen::MatrixXd jacobian(full, full);
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const double time = begin + nodes_[k] * h;
+    integrator.interpolate(time, state_.data());
+    if (!dynamics_.evaluate(time, state_.data(), rate_.data()) || !dynamics_.jacobian(time, state_.data(), jacobian.data()))
+      return false;
+    slopes[k] = jacobian.topLeftCorner(n_, n_);
+    if (!inhomogeneity(time, state_.data(), offsets[k]))
+      return false;
+  }
+  // Z_i − h Σ a_ij A_j Z_j = h Σ a_ij (A_j S + b_j)
+  Eigen::MatrixXd system = Eigen::MatrixXd::Identity(stages * n_, stages * n_), right = Eigen::MatrixXd::Zero(stages * n_, columnCount());
+  for (int i = 0; i < stages; ++i)
+    for (int j = 0; j < stages; ++j) {
+      const double a = h * coefficients_[static_cast<std::size_t>(i * stages + j)];
+      const auto node = static_cast<std::size_t>(j);
+      system.block(i * n_, j * n_, n_, n_) -= a * slopes[node];
+      right.middleRows(i * n_, n_) += a * (slopes[node] * matrix_ + offsets[node]);
+    }
+  const Eigen::MatrixXd increments = system.partialPivLu().solve(right);
+  const Eigen::MatrixXd before = matrix_;
+  for (int j = 0; j < stages; ++j) {
+    const auto node = static_cast<std::size_t>(j);
+    matrix_ += h * weights_[node] * (slopes[node] * (before + increments.middleRows(j * n_, n_)) + offsets[node]);
+  }
+  return matrix_.allFinite();
+}
+
+bool Sensitivities::beginEvent(double time, const double *state, const double *rate, int guard) {
+  eventTime_.setZero();
+  if (guard < 0)
+    return true;
+  std::copy_n(state, state_.size(), state_.begin());
+  std::vector<double> point(state_.size());
+  // The guard along (δt, δy, δθ).
+  const auto along = [&](double timeChange, const double *direction, const Column *column, double scale, double &derivative) {
+    const auto value = [&](double s, double *values) {
+      for (int i = 0; i < n_; ++i)
+        point[static_cast<std::size_t>(i)] = state[i] + s * direction[i];
+      point.back() = state[n_];
+      if (column != nullptr)
+        shift(*column, s);
+      if (!dynamics_.evaluate(time + s * timeChange, point.data(), rate_.data()))
+        return false;
+      *values = dynamics_.guardValue(guard);
+      return true;
+    };
+    const bool isGood = difference(value, scale, 1, &derivative);
+    if (column != nullptr)
+      shift(*column, 0);
+    return isGood;
+  };
+  double largest = 1;
+  for (int i = 0; i < n_; ++i)
+    largest = std::max(largest, std::abs(rate[i]) / std::max(1.0, std::abs(state[i])));
+  double slope = 0;
+  if (!along(1, rate, nullptr, largest, slope) || !(std::abs(slope) > 1e-9 * largest * dynamics_.guards()[guard].scale))
+    return false;
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    const auto index = static_cast<Eigen::Index>(k);
+    double change = 0;
+    if (!along(0, matrix_.col(index).data(), &columns_[k], scaleOf(columns_[k], matrix_.col(index).data()), change))
+      return false;
+    eventTime_[index] = -change / slope;
+  }
+  matrix_ += Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
+  return true;
+}
+
+bool Sensitivities::propagate(const Map &map, double time, const double *state) {
+  const auto values = [&](double at, double *point, double *result) {
+    if (!map(at, point))
+      return false;
+    std::copy_n(point, n_, result);
+    return true;
+  };
+  Eigen::MatrixXd mapped(n_, columnCount());
+  for (int k = 0; k < columnCount(); ++k)
+    if (!differentiate(values, time, state, k, n_, mapped.col(k).data()))
+      return false;
+  matrix_ = mapped;
+  return matrix_.allFinite();
+}
+
+bool Sensitivities::differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time,
+                                  const double *state, int column, int count, double *derivative) {
+  std::copy_n(state, state_.size(), state_.begin());
+  std::vector<double> point(state_.size());
+  const double *direction = matrix_.col(column).data();
+  const Column &moved = columns_[static_cast<std::size_t>(column)];
+  const auto function = [&](double s, double *result) {
+    for (int i = 0; i < n_; ++i)
+      point[static_cast<std::size_t>(i)] = state[i] + s * direction[i];
+    point.back() = state[n_];
+    shift(moved, s);
+    return values(time + s * eventTime_[column], point.data(), result);
+  };
+  const double scale = std::max(scaleOf(moved, direction), std::abs(eventTime_[column]));
+  const bool isGood = difference(function, scale, count, derivative);
+  shift(moved, 0);
+  return isGood;
+}
+
+void Sensitivities::endEvent(const double *rate) {
+  matrix_ -= Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
+  eventTime_.setZero();
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,74 @@
+// Forward sensitivities ∂y(t)/∂θ of a run with respect to starts, parameters and inputs, across switches and impacts.
+//
+// Within a mode S' = A S + b with the mode's Jacobian A, by Gauss collocation along the trajectory (order 8, A-stable). An event at the
+// zero of a guard h moves with θ: δt = −(h_y S + h_θ) / (dh/dt). What happens there is a map R of the state (frozen phases, the identity
+// where only the mode changes), so that (saltation; Müller 1995, Leine and Nijmeijer 2004)
+//     S⁺ = R_y (S⁻ + f⁻ δt) + R_t δt + R_θ − f⁺ δt.
+// Derivatives of guards, of maps and by parameters are central differences of order 4 of these functions themselves, good to about 1e-11.
+#pragma once
+
+#include "runtime/integrate/smooth_integrator.h"
+#include "runtime/model/model_instance.h"
+
+#include <Eigen/Dense>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+
+class Sensitivities {
+public:
+  // Columns: numbers of variables that are parameters, coordinates, velocities, states (their starts) or inputs (a constant offset).
+  Sensitivities(ModeDynamics &dynamics, const ModelInstance &instance, const InputSignals &inputs, std::vector<std::int32_t> columns);
+
+  // S = ∂(starts)/∂θ.
+  void start(double time);
+  // S over the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be evaluated.
+  bool addStep(SmoothIntegrator &integrator);
+  // An event at (time, state) with rate f⁻: at the zero of `guard` of the dynamics' mode, or (−1) at a time that does not depend on θ.
+  // False: the guard only touches zero, so that the sensitivities do not exist.
+  bool beginEvent(double time, const double *state, const double *rate, int guard);
+  // The state is mapped. `map` changes the state at a time in place; false where it cannot.
+  using Map = std::function<bool(double time, double *state)>;
+  bool propagate(const Map &map, double time, const double *state);
+  // The run goes on with the rate f⁺.
+  void endEvent(const double *rate);
+  // Derivative of values (count of them) at (time, state): `values` is evaluated at neighbouring points. Into `derivative` [count].
+  bool differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time, const double *state,
+                     int column, int count, double *derivative);
+
+  [[nodiscard]] int columnCount() const { return static_cast<int>(columns_.size()); }
+  // ∂(q, v, z)/∂θ_column
+  [[nodiscard]] const double *column(int column) const { return matrix_.col(column).data(); }
+
+private:
+  // How time, state, parameters and inputs change with θ_column.
+  struct Column {
+    std::int32_t variable = -1;
+    std::vector<double> parameters, inputs;
+    bool movesModel = false;  // any of the two is not zero
+  };
+
+  void makeColumn(Column &column, double time);
+  // Sets parameters and inputs to those at θ + s δθ; s = 0 restores them.
+  void shift(const Column &column, double s);
+  // d/ds at s = 0 of `function`(s, values), by central differences, or one-sided ones where one side cannot be evaluated.
+  bool difference(const std::function<bool(double s, double *values)> &function, double scale, int count, double *derivative);
+  [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
+  bool inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b);
+
+  ModeDynamics &dynamics_;
+  const ModelInstance &instance_;
+  const InputSignals &inputs_;
+  int n_;  // of (q, v, z)
+  std::vector<Column> columns_;
+  std::vector<double> parameters_, shifted_;  // at θ; at the point that is evaluated
+  Eigen::MatrixXd matrix_;                    // n × columns
+  Eigen::VectorXd eventTime_;                 // δt of each column
+  std::vector<double> state_, rate_, samples_;
+  std::vector<double> nodes_, weights_, coefficients_;  // of the Gauss method
+};
+
+}  // namespace tf::runtime

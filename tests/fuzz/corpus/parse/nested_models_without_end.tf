@@ -1,0 +1,2 @@
+""
+  connector R l A model A model A model A l A model A model A model A model A model A model A model A model A model A model A model A model A model A model A model ne outer r = 
