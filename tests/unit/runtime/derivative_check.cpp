@@ -10,6 +10,9 @@ namespace tf::runtime::test {
 
 namespace {
 
+// Of differences: small against the lengths of the models, a hundredth and more.
+constexpr double usualStep = 2e-4;
+
 using Values = std::vector<double>;
 
 std::size_t length(const tf_model &model, int argument) {
@@ -61,7 +64,7 @@ private:
   }
 
   // Five-point central difference of `values` by one entry of one argument.
-  Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry, double h = 1e-3) const {
+  Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry, double h = usualStep) const {
     const auto at = [&](double step) {
       EvaluationPoint moved = point_;
       moved.in[static_cast<std::size_t>(argument)][entry] += step;
@@ -178,7 +181,7 @@ private:
     double speed = 1;  // the coordinates move by about the usual step
     for (const double rate : qRate)
       speed = std::max(speed, std::abs(rate));
-    return moving.difference(shifted, TF_IN_TIME, 0, 1e-3 / speed);
+    return moving.difference(shifted, TF_IN_TIME, 0, usualStep / speed);
   }
 
   void compareAll(const std::string &name, const Values &found, const Values &expected) {
