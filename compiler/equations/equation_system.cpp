@@ -19,7 +19,8 @@ constexpr int kMaximalOrder = 6;
 constexpr std::size_t kNamesInMessages = 6;
 
 bool isForce(Symbol symbol) {
-  return symbol.kind == SymbolKind::Acceleration || symbol.kind == SymbolKind::NormalForce || symbol.kind == SymbolKind::TangentForce;
+  return symbol.kind == SymbolKind::Acceleration || symbol.kind == SymbolKind::NormalForce || symbol.kind == SymbolKind::TangentForce ||
+         symbol.kind == SymbolKind::Multiplier;
 }
 
 std::vector<int> unknownsOf(const ir::Graph &graph, std::initializer_list<NodeId> nodes) {
@@ -164,7 +165,9 @@ void EquationSystem::reportUnmatchedEquation(const ScalarEquation &equation, con
   for (const auto &side : ir::dependencies(graph_, std::array{equation.left, equation.right}))
     for (const Symbol symbol : side)
       if (coordinate.empty() && (symbol.kind == SymbolKind::Coordinate || symbol.kind == SymbolKind::Velocity))
-        coordinate = variables_.name(variables_.scalars(Role::Coordinate)[static_cast<std::size_t>(symbol.index)]);
+        coordinate = symbol.kind == SymbolKind::Velocity
+                         ? variables_.movingName(symbol.index)
+                         : variables_.name(variables_.scalars(Role::Coordinate)[static_cast<std::size_t>(symbol.index)]);
   if (symbols.empty() && !coordinate.empty()) {
     diagnostics_.report(diag::ConstraintEquation, equation.span, coordinate);
     return;
@@ -317,7 +320,7 @@ bool EquationSystem::defineDerivative(int id) {
     case SymbolKind::Time:
       return graph_.constant(1);
     case SymbolKind::Coordinate:
-      return graph_.symbol(SymbolKind::Velocity, s.index);
+      return variables_.motion().rate(graph_, s.index);
     case SymbolKind::Velocity:
       return graph_.symbol(SymbolKind::Acceleration, s.index);
     case SymbolKind::State:
@@ -329,6 +332,7 @@ bool EquationSystem::defineDerivative(int id) {
     case SymbolKind::Acceleration:
     case SymbolKind::NormalForce:
     case SymbolKind::TangentForce:
+    case SymbolKind::Multiplier:
       diagnostics_.report(diag::DerivativeOfForce, symbol.span, names_.describe(s));
       break;
     default:

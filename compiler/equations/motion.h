@@ -5,9 +5,9 @@
 // section 1).
 #pragma once
 
-#include "compiler/ir/graph.h"
+#include "compiler/equations/quaternions.h"
 
-#include <array>
+#include <functional>
 #include <vector>
 
 namespace tf::equations {
@@ -34,7 +34,15 @@ public:
   // The coordinate's time derivative in terms of the symbols Coordinate and Velocity.
   [[nodiscard]] ir::NodeId rate(ir::Graph &graph, int coordinate) const;
 
+  // Of nodes in terms of the rates of symbols.
+  using TimeDerivative = std::function<std::vector<ir::NodeId>(std::span<const ir::NodeId>)>;
+  // Angular velocity in the body's frame of the rotation `q`, linear in the velocities: that of a rotation coordinate is its velocity.
+  [[nodiscard]] Vector3 angularVelocity(ir::Graph &graph, const Quaternion &q, const TimeDerivative &derivative) const;
+
 private:
+  [[nodiscard]] Quaternion quaternion(ir::Graph &graph, const RotationCoordinate &rotation) const;
+  [[nodiscard]] Vector3 velocity(ir::Graph &graph, const RotationCoordinate &rotation) const;
+
   std::vector<int> velocityOf_;
   std::vector<RotationCoordinate> rotations_;
 };

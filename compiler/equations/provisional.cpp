@@ -32,9 +32,9 @@ std::string SymbolNames::describe(ir::Symbol symbol) const {
   case ir::SymbolKind::Coordinate:
     return fmt::format("the coordinate '{}'", nameOf(Role::Coordinate));
   case ir::SymbolKind::Velocity:
-    return fmt::format("the velocity of '{}'", nameOf(Role::Coordinate));
+    return fmt::format("the velocity of '{}'", variables->movingName(symbol.index));
   case ir::SymbolKind::Acceleration:
-    return fmt::format("the acceleration of '{}'", nameOf(Role::Coordinate));
+    return fmt::format("the acceleration of '{}'", variables->movingName(symbol.index));
   case ir::SymbolKind::Input:
     return fmt::format("the input '{}'", nameOf(Role::Input));
   case ir::SymbolKind::Parameter:
@@ -43,6 +43,8 @@ std::string SymbolNames::describe(ir::Symbol symbol) const {
     return fmt::format("the contact force '{}'", normalForces[index]);
   case ir::SymbolKind::TangentForce:
     return fmt::format("the friction force '{}'", tangentForces[index]);
+  case ir::SymbolKind::Multiplier:
+    return fmt::format("the constraint force '{}'", multipliers[index]);
   case ir::SymbolKind::State:
     return fmt::format("the state '{}'", states[index]);
   default:

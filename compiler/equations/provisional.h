@@ -51,6 +51,7 @@ private:
 struct SymbolNames {
   const VariableTable *variables = nullptr;
   std::vector<std::string> normalForces, tangentForces;  // "floor.normalForce", "floor.frictionForce"
+  std::vector<std::string> multipliers;                  // "loop.multiplier"
   std::vector<std::string> states;                       // known after the equations are solved
 
   // "the velocity of 'q[1]'", "the contact force 'floor.normalForce'".

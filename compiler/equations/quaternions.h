@@ -5,11 +5,14 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 namespace tf::equations {
 
 using Quaternion = std::array<ir::NodeId, 4>;
 using Vector3 = std::array<ir::NodeId, 3>;
+
+[[nodiscard]] inline Quaternion quaternion(std::span<const ir::NodeId> nodes) { return {nodes[0], nodes[1], nodes[2], nodes[3]}; }
 
 // a ⊗ b: first b, then a.
 [[nodiscard]] Quaternion product(ir::Graph &graph, const Quaternion &a, const Quaternion &b);

@@ -109,6 +109,9 @@ Array Scalariser::variable(const Expr &expression) {
     case Role::Coordinate:
       result.nodes.push_back(graph_.symbol(SymbolKind::Coordinate, index));
       break;
+    case Role::Velocity:
+      result.nodes.push_back(graph_.symbol(SymbolKind::Velocity, index));
+      break;
     case Role::Input:
       result.nodes.push_back(graph_.symbol(SymbolKind::Input, index));
       break;
@@ -194,6 +197,8 @@ Array Scalariser::call(const Expr &expression) {
   }
   if (expression.function >= Function::Sum && expression.function <= Function::Matrix)
     return arrayCall(expression);
+  if (expression.function >= Function::Rotate && expression.function <= Function::AngularVelocity)
+    return rotationCall(expression);
   return elementWise(expression, arrays(expression.args), [&](std::span<const NodeId> s) { return scalarCall(expression, s); });
 }
 
@@ -230,6 +235,35 @@ Array Scalariser::arrayCall(const Expr &expression) {
   }
 }
 
+Array Scalariser::rotationCall(const Expr &expression) {
+  std::vector<Quaternion> q;
+  std::vector<NodeId> others;
+  for (const Array &arg : arrays(expression.args))
+    if (arg.nodes.size() == 4)
+      q.push_back({arg.nodes[0], arg.nodes[1], arg.nodes[2], arg.nodes[3]});
+    else
+      others.insert(others.end(), arg.nodes.begin(), arg.nodes.end());
+  const auto of = [&](const auto &nodes) { return Array{expression.type.dims, {nodes.begin(), nodes.end()}}; };
+  switch (expression.function) {
+  case Function::Rotate:
+    return of(rotate(graph_, q[0], {others[0], others[1], others[2]}));
+  case Function::RotationProduct:
+    return of(product(graph_, q[0], q[1]));
+  case Function::Inverse:
+    return of(conjugate(graph_, q[0]));
+  case Function::RotationAbout:
+    return of(rotationAbout(graph_, {others[0], others[1], others[2]}, others[3]));
+  case Function::AngularVelocity:
+    return of(angularVelocity(q[0], expression.span));
+  default:  // its four numbers
+    return of(q[0]);
+  }
+}
+
+Vector3 Scalariser::angularVelocity(const Quaternion &q, Span span) {
+  return variables_.motion().angularVelocity(graph_, q, [&](std::span<const NodeId> nodes) { return timeDerivative(nodes, span); });
+}
+
 Array Scalariser::smooth(const Expr &expression) {
   const ir::Node order = graph_[array(*expression.args[0]).nodes[0]];
   // From two continuous derivatives on, an integrator does not see the seam; below it is located, but cannot slide.
@@ -252,7 +286,7 @@ std::vector<NodeId> Scalariser::timeDerivative(std::span<const NodeId> nodes, Sp
     case SymbolKind::Time:
       return graph_.constant(1);
     case SymbolKind::Coordinate:
-      return graph_.symbol(SymbolKind::Velocity, symbol.index);
+      return variables_.motion().rate(graph_, symbol.index);
     case SymbolKind::Velocity:
       return graph_.symbol(SymbolKind::Acceleration, symbol.index);
     case SymbolKind::Input:
@@ -261,6 +295,7 @@ std::vector<NodeId> Scalariser::timeDerivative(std::span<const NodeId> nodes, Sp
     case SymbolKind::Acceleration:
     case SymbolKind::NormalForce:
     case SymbolKind::TangentForce:
+    case SymbolKind::Multiplier:
       diagnostics_.report(diag::DerivativeOfForce, span, names_.describe(symbol));
       return graph_.constant(0);
     case SymbolKind::Unknown: {

@@ -35,6 +35,8 @@ public:
 
   // Total time derivative by the chain rule; `span` is where it was asked for.
   [[nodiscard]] std::vector<ir::NodeId> timeDerivative(std::span<const ir::NodeId> nodes, Span span);
+  // In the body's frame, of a rotation.
+  [[nodiscard]] Vector3 angularVelocity(const Quaternion &q, Span span);
 
 private:
   enum class Events : std::uint8_t { Discontinuous, Continuous, None };  // what relations become
@@ -49,6 +51,7 @@ private:
   Array conditional(const flat::Expr &expression);
   Array call(const flat::Expr &expression);
   Array arrayCall(const flat::Expr &expression);
+  Array rotationCall(const flat::Expr &expression);
   Array smooth(const flat::Expr &expression);
   Array unsupported(const flat::Expr &expression, std::string_view name);
 

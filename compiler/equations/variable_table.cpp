@@ -1,5 +1,9 @@
 #include "compiler/equations/variable_table.h"
 
+#include <fmt/format.h>
+
+#include <cassert>
+
 namespace tf::equations {
 
 namespace {
@@ -9,6 +13,8 @@ Role roleOf(const flat::Variable &variable) {
     return Role::Text;
   if (variable.isCoordinate)
     return Role::Coordinate;
+  if (variable.isAngularVelocity)
+    return Role::Velocity;
   if (variable.variability == flat::Variability::Constant)
     return Role::Constant;
   if (variable.variability == flat::Variability::Parameter)
@@ -39,11 +45,29 @@ VariableTable::VariableTable(const flat::FlatModel &model) : model_(&model) {
     const Role role = roleOf(variable);
     auto &list = scalars_[static_cast<std::size_t>(role)];
     places_.push_back({role, static_cast<int>(list.size())});
-    if (role == Role::Coordinate)
-      motion_.addCoordinates(variable.type.size());
     for (int k = 0; k < variable.type.size(); ++k)
       list.push_back({static_cast<flat::VariableId>(id), k});
+    addMotion(static_cast<flat::VariableId>(id), role);
   }
+}
+
+// A rotation's angular velocity is the next variable: its scalars are the velocities that the rotation brought.
+void VariableTable::addMotion(flat::VariableId id, Role role) {
+  const flat::Variable &added = model_->variables[static_cast<std::size_t>(id)];
+  const bool isRotation = added.type.base == flat::Base::Rotation;
+  if (role == Role::Coordinate && isRotation) {
+    for (int k = 0; k < added.type.size() / 4; ++k)
+      motion_.addRotation();
+    return;
+  }
+  if (role == Role::Coordinate)
+    motion_.addCoordinates(added.type.size());
+  else if (role != Role::Velocity)
+    return;
+  places_.back().first = role == Role::Velocity ? static_cast<int>(velocities_.size()) : places_.back().first;
+  for (int k = 0; k < added.type.size(); ++k)
+    velocities_.push_back({id, k});
+  assert(static_cast<int>(velocities_.size()) == motion_.velocities());
 }
 
 const flat::Variable &VariableTable::variable(ScalarVariable scalar) const {
@@ -52,7 +76,23 @@ const flat::Variable &VariableTable::variable(ScalarVariable scalar) const {
 
 std::string VariableTable::name(ScalarVariable scalar) const {
   const flat::Variable &owner = variable(scalar);
-  return elementName(owner.name, owner.type.dims, scalar.position);
+  const bool isRotation = owner.type.base == flat::Base::Rotation;
+  if (!isRotation && !owner.isAngularVelocity)
+    return elementName(owner.name, owner.type.dims, scalar.position);
+  const std::vector<int> outer(owner.type.dims.begin(), owner.type.dims.end() - 1);
+  const int size = owner.type.dims.back();
+  const std::string rotation = isRotation ? owner.name : owner.name.substr(0, owner.name.size() - 2);
+  return fmt::format("{}.{}[{}]", elementName(rotation, outer, scalar.position / size), isRotation ? "q" : "w", scalar.position % size + 1);
+}
+
+std::string VariableTable::velocityName(int index) const {
+  const std::string of = name(velocity(index));
+  return variable(velocity(index)).isAngularVelocity ? of : "der(" + of + ")";
+}
+
+std::string VariableTable::movingName(int index) const {
+  const std::string of = name(velocity(index));
+  return variable(velocity(index)).isAngularVelocity ? of.substr(0, of.rfind('.')) : of;
 }
 
 }  // namespace tf::equations

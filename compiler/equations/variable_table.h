@@ -13,6 +13,7 @@ namespace tf::equations {
 enum class Role : std::uint8_t {
   Parameter,   // symbols Parameter first…
   Coordinate,  // symbols Coordinate first…
+  Velocity,    // the angular velocity of a rotation: symbols Velocity first…
   Input,       // symbols Input first…
   Unknown,     // what equations determine, discrete variables included
   Constant,    // no symbol: its binding stands for it
@@ -43,13 +44,23 @@ public:
   [[nodiscard]] const Motion &motion() const { return motion_; }
   [[nodiscard]] int count(Role role) const { return static_cast<int>(scalars(role).size()); }
   [[nodiscard]] const flat::Variable &variable(ScalarVariable scalar) const;
+  // "q[2]"; "R.q[1]" and "R.w[3]" of a rotation.
   [[nodiscard]] std::string name(ScalarVariable scalar) const;
+  // What velocity `index` belongs to: a coordinate, or a part of a rotation's angular velocity.
+  [[nodiscard]] ScalarVariable velocity(int index) const { return velocities_[static_cast<std::size_t>(index)]; }
+  // "der(x)", "R.w[3]".
+  [[nodiscard]] std::string velocityName(int index) const;
+  // What moves with it: "x", "R".
+  [[nodiscard]] std::string movingName(int index) const;
 
 private:
+  void addMotion(flat::VariableId id, Role role);
+
   const flat::FlatModel *model_;
   std::vector<Place> places_;
   Motion motion_;  // of the scalars of role Coordinate
-  std::vector<ScalarVariable> scalars_[6];
+  std::vector<ScalarVariable> scalars_[7];
+  std::vector<ScalarVariable> velocities_;
 };
 
 }  // namespace tf::equations

@@ -61,11 +61,28 @@ bool FormPrinter::isMassDiagonal() const {
 
 std::string FormPrinter::massText() const {
   std::string all;
-  for (int i = 0; i < system.nv && !isMassDiagonal(); ++i)
+  for (int i = 0; i < system.nv && (!isMassDiagonal() || !system.constraints.empty()); ++i)
     for (int j = 0; j <= i; ++j)
       if (const NodeId node = system.mass[static_cast<std::size_t>(i) * system.nv + j]; !system.graph.isConstant(node, 0))
         all += fmt::format("  M[{},{}] = {}\n", i + 1, j + 1, text(node));
   return all.empty() ? all : "\nmass matrix (symmetric; entries that are not shown are 0)\n" + all;
+}
+
+// With bilateral constraints every force acts through W, which leaves H v = const, and w keeps the constraints while time runs (theory.md
+// section 1).
+std::string FormPrinter::constraintText() const {
+  if (system.constraints.empty())
+    return {};
+  std::string all = "\nconstraints: W = inverse(M) - G H inverse(M), w = -G bias, G = inverse(M) H' pinv(H inverse(M) H')\n";
+  for (const Constraint &constraint : system.constraints)
+    for (int k = 0; k < constraint.rowCount; ++k) {
+      const ConstraintRow &row = system.constraintRows[static_cast<std::size_t>(constraint.rowFirst) + k];
+      std::string entries;
+      for (const NodeId node : row.jacobian)
+        entries += (entries.empty() ? "" : ", ") + text(node);
+      all += fmt::format("  {}: 0 = {},  H = ({}),  bias = {}\n", constraint.name, text(row.residual), entries, text(row.bias));
+    }
+  return all;
 }
 
 std::string FormPrinter::components(const std::string &name, const std::vector<NodeId> &force, const std::vector<NodeId> &stateDerivatives,
@@ -83,8 +100,9 @@ std::string FormPrinter::components(const std::string &name, const std::vector<N
   };
   std::string all = fmt::format("  {}\n", name);
   for (int k = 0; k < system.nq && timeRuns; ++k)
-    all += fmt::format("    {}' = {}\n", system.symbolName({SymbolKind::Coordinate, k}), system.symbolName({SymbolKind::Velocity, k}));
-  const bool isDiagonal = isMassDiagonal();
+    all += fmt::format("    {}' = {}\n", system.symbolName({SymbolKind::Coordinate, k}), text(system.motion.rate(graph, k)));
+  const bool isConstrained = !system.constraints.empty();
+  const bool isDiagonal = isMassDiagonal() && !isConstrained;
   std::string list;
   for (int k = 0; k < system.nv; ++k) {
     const NodeId node = force[static_cast<std::size_t>(k)];
@@ -94,7 +112,7 @@ std::string FormPrinter::components(const std::string &name, const std::vector<N
                          shown(graph.div(node, system.mass[static_cast<std::size_t>(k) * system.nv + k])));
   }
   if (!isDiagonal)
-    all += fmt::format("    v' = inverse(M)*({})\n", list);
+    all += fmt::format("    v' = {}*({}){}\n", isConstrained ? "W" : "inverse(M)", list, isConstrained && timeRuns ? " + w" : "");
   for (int k = 0; k < system.nz && timeRuns; ++k)
     all += fmt::format("    {}' = {}\n", system.symbolName({SymbolKind::State, k}), shown(stateDerivatives[static_cast<std::size_t>(k)]));
   return all + (timeRuns ? "    time' = 1\n" : "    all other components are 0: time is frozen\n");
@@ -131,7 +149,7 @@ std::string FormPrinter::fields(const std::vector<const Region *> &odeRegions) c
     all += components(ode.name, ode.force, ode.stateDerivatives, true, nullptr);
   for (std::size_t k = 0; k < system.contacts.size(); ++k)
     all += auxiliary(static_cast<int>(k));
-  return all + massText();
+  return all + massText() + constraintText();
 }
 
 bool FormPrinter::hasInnerSteps() const {

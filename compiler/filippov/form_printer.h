@@ -35,6 +35,7 @@ private:
   [[nodiscard]] std::string symbolName(ir::Symbol symbol) const;
   [[nodiscard]] std::string auxiliary(int contact) const;
   [[nodiscard]] std::string massText() const;
+  [[nodiscard]] std::string constraintText() const;
 };
 
 }  // namespace tf::filippov

@@ -215,7 +215,7 @@ bool checkElements(Derivation &derivation) {
   bool isFine = true;
   for (const flat::Element &element : derivation.model.elements)
     for (const flat::Attribute &attribute : element.attributes)
-      if (const AttributeSpec *spec = classOf(element).attribute(attribute.name); spec != nullptr && !spec->isRotation)
+      if (const AttributeSpec *spec = classOf(element).attribute(attribute.name); spec != nullptr)
         isFine = checks.check(element, attribute, *spec) && isFine;
   return checkGravity(derivation) && isFine;
 }

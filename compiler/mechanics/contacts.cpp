@@ -1,10 +1,7 @@
 // Contacts and friction elements: rates, Jacobians with respect to the velocities and bias terms, with every ∂/∂t (moving ground, belts).
 #include "compiler/mechanics/derivation.h"
 
-#include "runtime/abi/tf_model.h"
-
 #include <algorithm>
-#include <cmath>
 
 namespace tf::mechanics {
 
@@ -12,24 +9,6 @@ using ir::NodeId;
 using ir::SymbolKind;
 
 namespace {
-
-// Nominal values by coordinate; 0 where the table of quantities has none.
-std::vector<double> nominalsOf(const HybridSystem &system) {
-  std::vector<double> nominals(static_cast<std::size_t>(system.nq), 0);
-  for (const Quantity &quantity : system.quantities)
-    if (quantity.kind == TF_KIND_COORDINATE)
-      nominals[static_cast<std::size_t>(quantity.index)] = std::abs(quantity.nominal);
-  return nominals;
-}
-
-// The length scale of a gap: the largest nominal value of the coordinates that move it.
-double nominalOf(const HybridSystem &system, NodeId gap, const std::vector<double> &nominals) {
-  double nominal = 0;
-  for (const ir::Symbol symbol : equations::symbolsOf(system.graph, gap))
-    if (symbol.kind == SymbolKind::Coordinate)
-      nominal = std::max(nominal, nominals[static_cast<std::size_t>(symbol.index)]);
-  return nominal > 0 ? nominal : 1;
-}
 
 std::vector<NodeId> row(const std::vector<NodeId> &matrix, std::size_t index, std::size_t columns) {
   const auto first = matrix.begin() + static_cast<std::ptrdiff_t>(index * columns);
@@ -47,7 +26,7 @@ void deriveTangents(Derivation &derivation) {
     collect(friction.slip, friction.tangentFirst);
   const auto columns = static_cast<std::size_t>(system.nv);
   const std::vector<NodeId> jacobian = ir::jacobian(graph, slips, symbols(graph, SymbolKind::Velocity, system.nv));
-  const std::vector<NodeId> bias = timeDerivative(graph, slips, AlongMotion::WithoutAcceleration);
+  const std::vector<NodeId> bias = timeDerivative(system, slips, AlongMotion::WithoutAcceleration);
   for (std::size_t k = 0; k < slips.size(); ++k)
     system.tangents.push_back({slips[k], bias[k], row(jacobian, k, columns)});
 }
@@ -86,15 +65,14 @@ void deriveContacts(Derivation &derivation) {
   HybridSystem &system = derivation.system;
   ir::Graph &graph = system.graph;
   deriveTangents(derivation);
-  const std::vector<double> nominals = nominalsOf(system);
   std::vector<NodeId> gaps;
   gaps.reserve(derivation.elements.contacts.size());
   for (const ContactEntry &entry : derivation.elements.contacts)
     gaps.push_back(entry.gap);
   const auto columns = static_cast<std::size_t>(system.nv);
-  const std::vector<NodeId> normals = ir::jacobian(graph, gaps, symbols(graph, SymbolKind::Coordinate, system.nq));
-  const std::vector<NodeId> rates = timeDerivative(graph, gaps, AlongMotion::WithoutAcceleration);
-  const std::vector<NodeId> biases = timeDerivative(graph, rates, AlongMotion::WithoutAcceleration);
+  const std::vector<NodeId> rates = timeDerivative(system, gaps, AlongMotion::WithoutAcceleration);
+  const std::vector<NodeId> normals = ir::jacobian(graph, rates, symbols(graph, SymbolKind::Velocity, system.nv));
+  const std::vector<NodeId> biases = timeDerivative(system, rates, AlongMotion::WithoutAcceleration);
   for (std::size_t k = 0; k < gaps.size(); ++k) {
     ContactEntry &entry = derivation.elements.contacts[k];
     settleLaw(derivation, entry);
@@ -111,7 +89,7 @@ void deriveContacts(Derivation &derivation) {
     contact.restitution = entry.restitution;
     contact.rate = entry.rate;
     contact.law = lawOf(derivation, entry);
-    contact.nominal = nominalOf(system, gaps[k], nominals);
+    contact.nominal = nominalOf(system, gaps[k]);
     system.contacts.push_back(std::move(contact));
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)

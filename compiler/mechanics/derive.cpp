@@ -107,7 +107,7 @@ std::optional<HybridSystem> derive(const flat::FlatModel &model, const SourceMan
   system.experiment = model.experiment;
 
   const equations::VariableTable variables(model);
-  equations::SymbolNames names{&variables, {}, {}, {}};
+  equations::SymbolNames names{&variables, {}, {}, {}, {}};
   equations::Provisionals provisionals;
   equations::Scalariser scalariser(names, system.graph, provisionals, sources, diagnostics);
   mechanics::ElementTable table(model, system.graph, scalariser, names, diagnostics);
@@ -130,9 +130,11 @@ std::optional<HybridSystem> derive(const flat::FlatModel &model, const SourceMan
       !mechanics::tabulateQuantities(derivation))
     return std::nullopt;
   mechanics::deriveDynamics(derivation);
+  mechanics::deriveEnergies(derivation);
   mechanics::deriveContacts(derivation);
-  const bool areContactsRight = mechanics::checkContacts(derivation);
-  if (!mechanics::checkMass(derivation) || !areContactsRight)
+  mechanics::deriveConstraints(derivation);
+  const bool isConnected = mechanics::checkContacts(derivation) & mechanics::checkConstraints(derivation);
+  if (!mechanics::checkInertia(derivation) || !mechanics::checkMass(derivation) || !isConnected)
     return std::nullopt;
   assert(verify(system).empty());
   return system;

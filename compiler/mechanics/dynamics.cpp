@@ -1,5 +1,7 @@
-// Equations of motion. Christoffel symbols never appear: with positions p(q, t), p' a forward derivative along v and p'' = J_p v' + a_bias
-// a second one, the generalised inertial forces are the reverse sweep Σ m J_pᵀ p'' (one sweep for all bodies), and so are applied forces.
+// Equations of motion by virtual power (Kane's form of d'Alembert's principle): everything that resists or drives the motion has a rate w
+// that is affine in the velocities, w = J v + w_t: of a place p its time derivative, of a rotation its angular velocity. A force F along w
+// makes the generalised force Jᵀ F = ∂(F·w)/∂v, one reverse sweep over the rates of the whole system. So Christoffel symbols never appear,
+// and quasi-velocities (angular velocities) need nothing of their own.
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
@@ -7,52 +9,18 @@
 namespace tf::mechanics {
 
 using ir::NodeId;
-using ir::Symbol;
 using ir::SymbolKind;
 
 namespace {
 
-// One scalar of a body's position or angle, with the mass or inertia that resists it.
-struct InertialRow {
-  NodeId place = -1, inertia = -1;
-  NodeId gravity = -1;  // acceleration along it; −1: none
-};
-
-// Sum of the accelerations of all gravity elements that act on the body, one node per scalar of its position.
-std::vector<NodeId> gravityOn(const Derivation &derivation, const BodyEntry &body) {
-  ir::Graph &graph = derivation.system.graph;
-  const auto scopeOf = [&](const ElementEntry &entry) -> const std::string & {
-    return derivation.model.elements[static_cast<std::size_t>(entry.element)].scope;
-  };
-  std::vector<NodeId> total(body.position.size(), graph.constant(0));
-  for (const GravityEntry &gravity : derivation.elements.gravities)
-    if (isWithin(scopeOf(body), scopeOf(gravity)))
-      for (std::size_t k = 0; k < std::min(total.size(), gravity.acceleration.size()); ++k)
-        total[k] = graph.add(total[k], gravity.acceleration[k]);
-  return total;
+std::vector<NodeId> allRates(const std::vector<Inertial> &inertials) {
+  std::vector<NodeId> rates;
+  for (const Inertial &one : inertials)
+    rates.insert(rates.end(), one.rates.begin(), one.rates.end());
+  return rates;
 }
 
-std::vector<InertialRow> inertialRows(const Derivation &derivation) {
-  std::vector<InertialRow> rows;
-  for (const BodyEntry &body : derivation.elements.bodies) {
-    const std::vector<NodeId> gravity = gravityOn(derivation, body);
-    for (std::size_t k = 0; k < body.position.size() && body.mass >= 0; ++k)
-      rows.push_back({body.position[k], body.mass, gravity[k]});
-    if (body.angle >= 0 && body.inertia >= 0)
-      rows.push_back({body.angle, body.inertia, derivation.system.graph.constant(0)});
-  }
-  return rows;
-}
-
-std::vector<NodeId> placesOf(const std::vector<InertialRow> &rows) {
-  std::vector<NodeId> places;
-  places.reserve(rows.size());
-  for (const InertialRow &row : rows)
-    places.push_back(row.place);
-  return places;
-}
-
-// Roots and weights of one reverse sweep: Σ weight · ∂root/∂q.
+// Roots and weights of one reverse sweep: Σ weight · ∂root/∂v.
 struct GeneralisedForce {
   std::vector<NodeId> roots, weights;
 
@@ -60,141 +28,95 @@ struct GeneralisedForce {
     roots.push_back(root);
     weights.push_back(weight);
   }
+  void add(std::span<const NodeId> some, std::span<const NodeId> values) {
+    roots.insert(roots.end(), some.begin(), some.end());
+    weights.insert(weights.end(), values.begin(), values.end());
+  }
+  [[nodiscard]] std::vector<NodeId> sweep(HybridSystem &system) const {
+    return ir::reverseDerivative(system.graph, roots, weights, symbols(system.graph, SymbolKind::Velocity, system.nv));
+  }
 };
 
-// Applied forces: virtual work value·δ(at), potentials −∂E/∂q; and m (g − acceleration) for each inertial row.
-GeneralisedForce forcesAgainst(const Derivation &derivation, const std::vector<InertialRow> &rows,
-                               const std::vector<NodeId> &accelerations) {
-  ir::Graph &graph = derivation.system.graph;
+// Inertial forces at the given accelerations of all rates, applied forces along the rates of `at`, potentials −∂E/∂q.
+GeneralisedForce forcesAgainst(const Derivation &derivation, const std::vector<Inertial> &inertials,
+                               std::span<const NodeId> accelerations) {
+  HybridSystem &system = derivation.system;
+  ir::Graph &graph = system.graph;
   GeneralisedForce force;
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    force.add(rows[k].place, graph.mul(rows[k].inertia, graph.sub(rows[k].gravity, accelerations[k])));
+  std::size_t first = 0;
+  for (const Inertial &one : inertials) {
+    force.add(one.rates, inertialForce(graph, one, accelerations.subspan(first, one.rates.size())));
+    first += one.rates.size();
+  }
   for (const ForceEntry &entry : derivation.elements.forces)
-    for (std::size_t k = 0; k < entry.at.size(); ++k)
-      force.add(entry.at[k], entry.value[k]);
+    force.add(ratesOf(system, entry), entry.value);
   for (const PotentialEntry &entry : derivation.elements.potentials)
-    force.add(entry.energy, graph.constant(-1));
+    force.add(timeDerivative(system, std::array{entry.energy}, AlongMotion::WithoutAcceleration)[0], graph.constant(-1));
   return force;
 }
 
-// M_jk = Σ m (∂p/∂q_j)(∂p/∂q_k): column j is the reverse sweep with weights m ∂p/∂q_j; the upper half is the mirror image.
-void deriveMass(HybridSystem &system, const std::vector<InertialRow> &rows) {
+// M_jk = Σ J_jᵀ I J_k over all inertias: column j is the reverse sweep with weights I J_j.
+void deriveMass(HybridSystem &system, const std::vector<Inertial> &inertials) {
   ir::Graph &graph = system.graph;
   const auto n = static_cast<std::size_t>(system.nv);
-  const std::vector<NodeId> coordinates = symbols(graph, SymbolKind::Coordinate, system.nq);
-  const std::vector<NodeId> places = placesOf(rows);
+  const std::vector<NodeId> velocities = symbols(graph, SymbolKind::Velocity, system.nv);
+  const std::vector<NodeId> rates = allRates(inertials);
+  const std::vector<NodeId> jacobian = ir::jacobian(graph, rates, velocities);
   system.mass.assign(n * n, graph.constant(0));
   for (std::size_t j = 0; j < n; ++j) {
-    const std::vector<NodeId> column = ir::forwardDerivative(graph, places, [&](Symbol symbol) {
-      return graph.constant(symbol.kind == SymbolKind::Coordinate && symbol.index == static_cast<int>(j) ? 1 : 0);
-    });
-    GeneralisedForce sweep;
-    for (std::size_t k = 0; k < rows.size(); ++k)
-      if (!graph.isConstant(column[k], 0))
-        sweep.add(places[k], graph.mul(rows[k].inertia, column[k]));
-    if (sweep.roots.empty())
+    GeneralisedForce force;
+    std::size_t first = 0;
+    for (const Inertial &one : inertials) {
+      std::vector<NodeId> column;
+      for (std::size_t k = 0; k < one.rates.size(); ++k)
+        column.push_back(jacobian[(first + k) * n + j]);
+      first += one.rates.size();
+      if (std::ranges::any_of(column, [&](NodeId node) { return !graph.isConstant(node, 0); }))
+        force.add(one.rates, tensorProduct(graph, one.inertia, column));
+    }
+    if (force.roots.empty())
       continue;
-    const std::vector<NodeId> below = ir::reverseDerivative(graph, sweep.roots, sweep.weights, std::span(coordinates).subspan(j));
+    const std::vector<NodeId> below = ir::reverseDerivative(graph, force.roots, force.weights, std::span(velocities).subspan(j));
     for (std::size_t k = j; k < n; ++k)
       system.mass[k * n + j] = system.mass[j * n + k] = below[k - j];
   }
 }
 
-// M v' − f − Jnᵀ λn − Jtᵀ λt as one sweep over full accelerations: cheaper to differentiate than M and f.
-void deriveResidual(const Derivation &derivation, const std::vector<InertialRow> &rows, const std::vector<NodeId> &rates) {
+// M v' − f − Jnᵀ λn − Jtᵀ λt − Hᵀ ν as one sweep over full accelerations: cheaper to differentiate than M and f.
+void deriveResidual(const Derivation &derivation, const std::vector<Inertial> &inertials) {
   HybridSystem &system = derivation.system;
   ir::Graph &graph = system.graph;
-  GeneralisedForce sweep = forcesAgainst(derivation, rows, timeDerivative(graph, rates, AlongMotion::WithAcceleration));
-  for (std::size_t k = 0; k < derivation.elements.contacts.size(); ++k)
-    sweep.add(derivation.elements.contacts[k].gap, graph.symbol(SymbolKind::NormalForce, static_cast<int>(k)));
-  const std::vector<NodeId> byPlace =
-      ir::reverseDerivative(graph, sweep.roots, sweep.weights, symbols(graph, SymbolKind::Coordinate, system.nq));
-  GeneralisedForce tangential;
-  const auto addRows = [&](const std::vector<NodeId> &slip, int first) {
-    for (std::size_t k = 0; k < slip.size(); ++k)
-      tangential.add(slip[k], graph.symbol(SymbolKind::TangentForce, first + static_cast<int>(k)));
+  GeneralisedForce force = forcesAgainst(derivation, inertials, timeDerivative(system, allRates(inertials), AlongMotion::WithAcceleration));
+  const auto addRows = [&](std::span<const NodeId> rates, SymbolKind kind, int first) {
+    for (std::size_t k = 0; k < rates.size(); ++k)
+      force.add(rates[k], graph.symbol(kind, first + static_cast<int>(k)));
   };
-  for (const ContactEntry &contact : derivation.elements.contacts)
-    addRows(contact.slip, contact.tangentFirst);
+  std::vector<NodeId> gaps;
+  for (const ContactEntry &contact : derivation.elements.contacts) {
+    gaps.push_back(contact.gap);
+    addRows(contact.slip, SymbolKind::TangentForce, contact.tangentFirst);
+  }
+  addRows(timeDerivative(system, gaps, AlongMotion::WithoutAcceleration), SymbolKind::NormalForce, 0);
   for (const FrictionEntry &friction : derivation.elements.frictions)
-    addRows(friction.slip, friction.tangentFirst);
-  const std::vector<NodeId> bySlip =
-      ir::reverseDerivative(graph, tangential.roots, tangential.weights, symbols(graph, SymbolKind::Velocity, system.nv));
+    addRows(friction.slip, SymbolKind::TangentForce, friction.tangentFirst);
+  for (const ConstraintEntry &constraint : derivation.elements.constraints)
+    addRows(ratesOf(system, constraint), SymbolKind::Multiplier, constraint.rowFirst);
   system.residual.clear();
-  for (std::size_t k = 0; k < byPlace.size(); ++k)
-    system.residual.push_back(graph.neg(graph.add(byPlace[k], bySlip[k])));
-}
-
-void deriveEnergies(const Derivation &derivation, const std::vector<InertialRow> &rows) {
-  HybridSystem &system = derivation.system;
-  ir::Graph &graph = system.graph;
-  std::vector<NodeId> kinetic, potential, power;
-  for (const BodyEntry &body : derivation.elements.bodies)
-    kinetic.push_back(kineticEnergyOf(graph, body));
-  for (const InertialRow &row : rows)
-    potential.push_back(graph.neg(graph.mul(row.inertia, graph.mul(row.gravity, row.place))));
-  for (const PotentialEntry &entry : derivation.elements.potentials)
-    potential.push_back(entry.energy);
-  for (const ForceEntry &force : derivation.elements.forces)
-    power.push_back(powerOf(graph, force));
-  system.kineticEnergy = graph.sum(kinetic);
-  system.potentialEnergy = graph.sum(potential);
-  system.power = graph.sum(power);
+  for (const NodeId component : force.sweep(system))
+    system.residual.push_back(graph.neg(component));
 }
 
 }  // namespace
 
-std::vector<NodeId> symbols(ir::Graph &graph, SymbolKind kind, int count) {
-  std::vector<NodeId> nodes;
-  nodes.reserve(static_cast<std::size_t>(count));
-  for (int k = 0; k < count; ++k)
-    nodes.push_back(graph.symbol(kind, k));
-  return nodes;
-}
-
-std::vector<NodeId> timeDerivative(ir::Graph &graph, std::span<const NodeId> nodes, AlongMotion motion) {
-  return ir::forwardDerivative(graph, nodes, [&](Symbol symbol) {
-    if (symbol.kind == SymbolKind::Coordinate)
-      return graph.symbol(SymbolKind::Velocity, symbol.index);
-    if (symbol.kind == SymbolKind::Velocity && motion == AlongMotion::WithAcceleration)
-      return graph.symbol(SymbolKind::Acceleration, symbol.index);
-    return graph.constant(symbol.kind == SymbolKind::Time ? 1 : 0);
-  });
-}
-
-NodeId kineticEnergyOf(ir::Graph &graph, const BodyEntry &body) {
-  std::vector<NodeId> terms;
-  const auto addTerm = [&](NodeId inertia, std::span<const NodeId> places) {
-    if (inertia < 0)
-      return;
-    for (const NodeId rate : timeDerivative(graph, places, AlongMotion::WithoutAcceleration))
-      terms.push_back(graph.mul(inertia, graph.mul(rate, rate)));
-  };
-  addTerm(body.mass, body.position);
-  if (body.angle >= 0)
-    addTerm(body.inertia, std::array{body.angle});
-  return graph.mul(graph.constant(0.5), graph.sum(terms));
-}
-
-NodeId powerOf(ir::Graph &graph, const ForceEntry &force) {
-  const std::vector<NodeId> rate = timeDerivative(graph, force.at, AlongMotion::WithoutAcceleration);
-  std::vector<NodeId> terms;
-  terms.reserve(rate.size());
-  for (std::size_t k = 0; k < rate.size(); ++k)
-    terms.push_back(graph.mul(force.value[k], rate[k]));
-  return graph.sum(terms);
-}
-
 void deriveDynamics(Derivation &derivation) {
   HybridSystem &system = derivation.system;
-  ir::Graph &graph = system.graph;
-  const std::vector<InertialRow> rows = inertialRows(derivation);
-  const std::vector<NodeId> rates = timeDerivative(graph, placesOf(rows), AlongMotion::WithoutAcceleration);
-  deriveMass(system, rows);
-  const GeneralisedForce sweep = forcesAgainst(derivation, rows, timeDerivative(graph, rates, AlongMotion::WithoutAcceleration));
-  system.force = ir::reverseDerivative(graph, sweep.roots, sweep.weights, symbols(graph, SymbolKind::Coordinate, system.nq));
-  deriveResidual(derivation, rows, rates);
-  deriveEnergies(derivation, rows);
+  std::vector<Inertial> all;
+  for (const BodyEntry &body : derivation.elements.bodies)
+    std::ranges::move(inertials(derivation, body), std::back_inserter(all));
+  deriveMass(system, all);
+  const std::vector<NodeId> accelerations = timeDerivative(system, allRates(all), AlongMotion::WithoutAcceleration);
+  system.force = forcesAgainst(derivation, all, accelerations).sweep(system);
+  deriveResidual(derivation, all);
 }
 
 }  // namespace tf::mechanics

@@ -1,8 +1,6 @@
 #include "compiler/mechanics/elements.h"
 
 #include "compiler/equations/diagnostics.h"
-#include "compiler/mechanics/diagnostics.h"
-
 #include <algorithm>
 #include <cassert>
 
@@ -23,6 +21,11 @@ int sizePerEntry(const flat::Element &element, const std::string &attribute) {
 
 double defaultValue(const std::string &attribute) { return attribute == "rate" || attribute == "law" ? 1 : 0; }
 
+bool isTorque(const flat::Element &force) {
+  const flat::Attribute *at = force.find("at");
+  return at != nullptr && at->value->type.base == flat::Base::Rotation;
+}
+
 bool hasDefault(ElementKind kind, const std::string &attribute) {
   return kind == ElementKind::Contact &&
          (attribute == "friction" || attribute == "restitution" || attribute == "law" || attribute == "rate");
@@ -37,8 +40,8 @@ void Elements::forEachNode(const std::function<void(NodeId &)> &visit) {
   };
   const auto all = [&](std::vector<NodeId> &nodes) { std::ranges::for_each(nodes, visit); };
   for (BodyEntry &body : bodies) {
-    one(body.mass), one(body.angle), one(body.inertia);
-    all(body.position);
+    one(body.mass), one(body.angle);
+    all(body.inertia), all(body.position), all(body.orientation);
   }
   for (GravityEntry &gravity : gravities)
     all(gravity.acceleration);
@@ -50,11 +53,15 @@ void Elements::forEachNode(const std::function<void(NodeId &)> &visit) {
     one(contact.gap), one(contact.friction), one(contact.restitution), one(contact.law), one(contact.rate);
     all(contact.slip);
   }
+  for (ConstraintEntry &constraint : constraints)
+    all(constraint.residual);
   for (FrictionEntry &friction : frictions) {
     one(friction.bound);
     all(friction.slip);
   }
 }
+
+const char *residualOf(const flat::Element &element) { return element.find("residual") != nullptr ? "residual" : "velocityResidual"; }
 
 bool isWithin(const std::string &bodyScope, const std::string &scope) {
   if (scope.empty() || bodyScope == scope)
@@ -86,6 +93,15 @@ void ElementTable::number(equations::SymbolNames &names) {
           names.tangentForces.push_back(name + (kind == ElementKind::Contact ? ".frictionForce" : ".force"));
       }
     }
+  for (std::size_t k = 0; k < model_.elements.size(); ++k) {
+    const flat::Element &owner = model_.elements[k];
+    if (owner.kind != ElementKind::Constraint)
+      continue;
+    rows_[k] = {multipliers_, sizePerEntry(owner, residualOf(owner))};
+    for (int position = 0; position < entryCount(owner); ++position)
+      for (int row = 0; row < rows_[k].perEntry; ++row, ++multipliers_)
+        names.multipliers.push_back(equations::elementName(owner.name, owner.dims, position) + ".multiplier");
+  }
 }
 
 const Array *ElementTable::attribute(flat::ElementId id, const std::string &name) {
@@ -124,23 +140,11 @@ NodeId ElementTable::scalar(flat::ElementId id, const std::string &name, int pos
 Elements ElementTable::entries() {
   Elements elements;
   for (std::size_t k = 0; k < model_.elements.size(); ++k) {
-    reportUnsupported(model_.elements[k]);
     for (int position = 0; position < entryCount(model_.elements[k]); ++position)
       addEntry(elements, static_cast<flat::ElementId>(k), position);
   }
   elements.tangents = tangents_;
   return elements;
-}
-
-void ElementTable::reportUnsupported(const flat::Element &owner) {
-  if (owner.kind == ElementKind::Constraint)
-    diagnostics_.report(diag::UnsupportedElement, owner.span, "'constraint'");
-  if (owner.kind != ElementKind::Body)
-    return;
-  if (const flat::Attribute *orientation = owner.find("orientation"))
-    diagnostics_.report(diag::UnsupportedElement, orientation->value->span, "'orientation' of a body");
-  else if (const flat::Attribute *inertia = owner.find("inertia"); inertia != nullptr && sizePerEntry(owner, "inertia") > 1)
-    diagnostics_.report(diag::UnsupportedElement, inertia->value->span, "the inertia tensor of a spatial body");
 }
 
 void ElementTable::addEntry(Elements &elements, flat::ElementId id, int position) {
@@ -151,13 +155,13 @@ void ElementTable::addEntry(Elements &elements, flat::ElementId id, int position
   const Rows &rows = rows_[static_cast<std::size_t>(id)];
   switch (owner.kind) {
   case ElementKind::Body:
-    elements.bodies.push_back({entry, one("mass"), one("angle"), one("inertia"), all("position")});
+    elements.bodies.push_back({entry, one("mass"), one("angle"), all("inertia"), all("position"), all("orientation")});
     break;
   case ElementKind::Gravity:
     elements.gravities.push_back({entry, all("acceleration")});
     break;
   case ElementKind::Force:
-    elements.forces.push_back({entry, all("value"), all("at")});
+    elements.forces.push_back({entry, all("value"), all("at"), isTorque(owner)});
     break;
   case ElementKind::Potential:
     elements.potentials.push_back({entry, one("energy")});
@@ -170,6 +174,8 @@ void ElementTable::addEntry(Elements &elements, flat::ElementId id, int position
     elements.frictions.push_back({entry, one("bound"), all("slip"), rows.first + position * rows.perEntry});
     break;
   case ElementKind::Constraint:
+    elements.constraints.push_back(
+        {entry, all(residualOf(owner)), owner.find("residual") != nullptr, rows.first + position * rows.perEntry});
     break;
   }
 }
@@ -192,6 +198,8 @@ Array ElementTable::result(const flat::Expr &reference) {
     }
   if (name == "normalForce")
     return forces(reference, SymbolKind::NormalForce, {contactFirst_[static_cast<std::size_t>(id)], 1});
+  if (name == "multiplier")
+    return forces(reference, SymbolKind::Multiplier, rows);
   if (name == "frictionForce" || name == "force")
     return forces(reference, SymbolKind::TangentForce, rows);
   Array result{owner.dims, {}};
@@ -207,8 +215,8 @@ Array ElementTable::result(const flat::Expr &reference) {
 
 Array ElementTable::forces(const flat::Expr &reference, SymbolKind kind, Rows rows) {
   const flat::Element &owner = element(reference.element);
-  const flat::Attribute *slip = owner.find("slip");
-  Array result{kind == SymbolKind::TangentForce && slip != nullptr ? slip->value->type.dims : owner.dims, {}};
+  const flat::Attribute *shape = owner.find(kind == SymbolKind::Multiplier ? residualOf(owner) : "slip");
+  Array result{kind != SymbolKind::NormalForce && shape != nullptr ? shape->value->type.dims : owner.dims, {}};
   // A contact without slip has no friction force.
   if (rows.perEntry == 0)
     result.nodes.assign(static_cast<std::size_t>(entryCount(owner)), graph_.constant(0));
@@ -217,28 +225,62 @@ Array ElementTable::forces(const flat::Expr &reference, SymbolKind kind, Rows ro
   return result;
 }
 
+// Rates of the place or angle, or the angular velocity in the body's frame.
 NodeId ElementTable::kineticEnergy(flat::ElementId id, int position, Span span) {
-  std::vector<NodeId> terms;
-  const auto addTerm = [&](NodeId inertia, const std::vector<NodeId> &places) {
-    std::vector<NodeId> squares;
-    for (const NodeId rate : scalariser_.timeDerivative(places, span))
-      squares.push_back(graph_.mul(rate, rate));
-    if (!squares.empty() && inertia >= 0)
-      terms.push_back(graph_.mul(graph_.mul(graph_.constant(0.5), inertia), graph_.sum(squares)));
-  };
-  addTerm(scalar(id, "mass", position), slice(id, "position", position));
-  addTerm(scalar(id, "inertia", position), slice(id, "angle", position));
-  return graph_.sum(terms);
+  BodyRates rates;
+  const std::vector<NodeId> orientation = slice(id, "orientation", position);
+  rates.position = scalariser_.timeDerivative(slice(id, "position", position), span);
+  rates.angle = scalariser_.timeDerivative(slice(id, "angle", position), span);
+  if (!orientation.empty()) {
+    const equations::Vector3 w = scalariser_.angularVelocity(equations::quaternion(orientation), span);
+    rates.angularVelocity.assign(w.begin(), w.end());
+  }
+  return mechanics::kineticEnergy(graph_, rates, scalar(id, "mass", position), slice(id, "inertia", position));
 }
 
 NodeId ElementTable::power(flat::ElementId id, int position, Span span) {
-  const std::vector<NodeId> value = slice(id, "value", position);
-  const std::vector<NodeId> rate = scalariser_.timeDerivative(slice(id, "at", position), span);
+  const std::vector<NodeId> value = slice(id, "value", position), at = slice(id, "at", position);
+  std::vector<NodeId> rate;
+  if (isTorque(element(id))) {
+    const equations::Quaternion q = equations::quaternion(at);
+    const equations::Vector3 w = equations::rotate(graph_, q, scalariser_.angularVelocity(q, span));
+    rate.assign(w.begin(), w.end());
+  } else {
+    rate = scalariser_.timeDerivative(at, span);
+  }
+  return dot(graph_, value, rate);
+}
+
+NodeId dot(ir::Graph &graph, std::span<const NodeId> a, std::span<const NodeId> b) {
   std::vector<NodeId> terms;
-  terms.reserve(value.size());
-  for (std::size_t k = 0; k < value.size(); ++k)
-    terms.push_back(graph_.mul(value[k], rate[k]));
-  return graph_.sum(terms);
+  for (std::size_t k = 0; k < a.size(); ++k)
+    terms.push_back(graph.mul(a[k], b[k]));
+  return graph.sum(terms);
+}
+
+NodeId kineticEnergy(ir::Graph &graph, const BodyRates &rates, NodeId mass, const std::vector<NodeId> &inertia) {
+  std::vector<NodeId> terms;
+  if (mass >= 0)
+    for (const NodeId rate : rates.position)
+      terms.push_back(graph.mul(mass, graph.mul(rate, rate)));
+  if (!inertia.empty())
+    for (const NodeId rate : rates.angle)
+      terms.push_back(graph.mul(inertia[0], graph.mul(rate, rate)));
+  if (!rates.angularVelocity.empty() && inertia.size() == 9)
+    terms.push_back(dot(graph, rates.angularVelocity, tensorProduct(graph, inertia, rates.angularVelocity)));
+  return graph.mul(graph.constant(0.5), graph.sum(terms));
+}
+
+std::vector<NodeId> tensorProduct(ir::Graph &graph, const std::vector<NodeId> &inertia, std::span<const NodeId> vector) {
+  const std::size_t n = vector.size();
+  std::vector<NodeId> result;
+  for (std::size_t i = 0; i < n; ++i) {
+    std::vector<NodeId> terms;
+    for (std::size_t j = 0; j < n; ++j)
+      terms.push_back(graph.mul(inertia[std::min(i, j) * n + std::max(i, j)], vector[j]));
+    result.push_back(graph.sum(terms));
+  }
+  return result;
 }
 
 }  // namespace tf::mechanics

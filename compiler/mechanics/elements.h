@@ -19,8 +19,8 @@ struct ElementEntry {
 };
 
 struct BodyEntry : ElementEntry {
-  ir::NodeId mass = -1, angle = -1, inertia = -1;  // −1: not given
-  std::vector<ir::NodeId> position;
+  ir::NodeId mass = -1, angle = -1;                        // −1: not given
+  std::vector<ir::NodeId> inertia, position, orientation;  // inertia: of the angle, or [3 × 3] in the body's frame about its place
 };
 
 struct GravityEntry : ElementEntry {
@@ -29,6 +29,7 @@ struct GravityEntry : ElementEntry {
 
 struct ForceEntry : ElementEntry {
   std::vector<ir::NodeId> value, at;
+  bool isTorque = false;  // `at` is a rotation, `value` a torque in the world's frame
 };
 
 struct PotentialEntry : ElementEntry {
@@ -39,6 +40,12 @@ struct ContactEntry : ElementEntry {
   ir::NodeId gap = -1, friction = -1, restitution = -1, law = -1, rate = -1;
   std::vector<ir::NodeId> slip;
   int tangentFirst = 0;
+};
+
+struct ConstraintEntry : ElementEntry {
+  std::vector<ir::NodeId> residual;
+  bool isHolonomic = true;  // otherwise the residual is that of velocities
+  int rowFirst = 0;
 };
 
 struct FrictionEntry : ElementEntry {
@@ -54,6 +61,7 @@ struct Elements {
   std::vector<PotentialEntry> potentials;
   std::vector<ContactEntry> contacts;
   std::vector<FrictionEntry> frictions;
+  std::vector<ConstraintEntry> constraints;
   int tangents = 0;  // tangential rows: of contacts, then of friction elements
 
   // Calls `visit` with every node that stands in an attribute.
@@ -73,17 +81,16 @@ public:
   [[nodiscard]] equations::Array value(const flat::Expr &reference);
   // A given attribute or its default; null if neither.
   [[nodiscard]] const equations::Array *attribute(flat::ElementId element, const std::string &name);
-  // All entries, with attributes as they are before the equations are solved. Reports what is not supported yet.
+  // All entries, with attributes as they are before the equations are solved.
   [[nodiscard]] Elements entries();
 
 private:
-  // Tangential rows of an element: those of its entries follow one another.
+  // Tangential or constraint rows of an element: those of its entries follow one another.
   struct Rows {
     int first = 0, perEntry = 0;
   };
 
   void number(equations::SymbolNames &names);
-  void reportUnsupported(const flat::Element &element);
   [[nodiscard]] const flat::Element &element(flat::ElementId id) const { return model_.elements[static_cast<std::size_t>(id)]; }
   [[nodiscard]] std::vector<ir::NodeId> slice(flat::ElementId id, const std::string &name, int position);
   [[nodiscard]] ir::NodeId scalar(flat::ElementId id, const std::string &name, int position);
@@ -101,8 +108,23 @@ private:
   std::set<std::pair<flat::ElementId, std::string>> inProgress_;
   std::vector<int> contactFirst_;  // of elements
   std::vector<Rows> rows_;         // of elements
-  int tangents_ = 0;
+  int tangents_ = 0, multipliers_ = 0;
 };
+
+// Velocities of a body as far as it has them.
+struct BodyRates {
+  std::vector<ir::NodeId> position, angle, angularVelocity;  // angularVelocity: in the body's frame
+};
+
+// ½ m |p'|² + ½ J φ'² + ½ ωᵀ I ω.
+[[nodiscard]] ir::NodeId kineticEnergy(ir::Graph &graph, const BodyRates &rates, ir::NodeId mass, const std::vector<ir::NodeId> &inertia);
+// The symmetric tensor of `inertia`'s upper triangle times the vector.
+[[nodiscard]] std::vector<ir::NodeId> tensorProduct(ir::Graph &graph, const std::vector<ir::NodeId> &inertia,
+                                                    std::span<const ir::NodeId> vector);
+[[nodiscard]] ir::NodeId dot(ir::Graph &graph, std::span<const ir::NodeId> a, std::span<const ir::NodeId> b);
+
+// The attribute that gives a constraint's residual, "residual" or "velocityResidual".
+[[nodiscard]] const char *residualOf(const flat::Element &element);
 
 [[nodiscard]] inline int entryCount(const flat::Element &element) { return flat::Type{flat::Base::Real, element.dims}.size(); }
 

@@ -86,15 +86,21 @@ private:
 
   void collectFreeStarts() {
     HybridSystem &system = d_.system;
+    for (int k = 0; k < system.nv; ++k) {
+      const auto scalar = d_.variables.velocity(k);
+      const flat::Variable &variable = d_.variables.variable(scalar);
+      const auto position = static_cast<std::size_t>(scalar.position);
+      const flat::ExprPtr &fixed = variable.isAngularVelocity ? variable.attributes.fixed : variable.derAttributes.fixed;
+      if (!isFixed(fixed, position, true))
+        free_.push_back({{SymbolKind::Velocity, k}, &system.velocityStarts[static_cast<std::size_t>(k)], d_.variables.velocityName(k)});
+    }
+    // Equations for parts of quaternions would not keep their length.
     const auto &coordinates = d_.variables.scalars(Role::Coordinate);
-    for (std::size_t k = 0; k < coordinates.size(); ++k) {
-      const flat::Variable &variable = d_.variables.variable(coordinates[k]);
-      const auto position = static_cast<std::size_t>(coordinates[k].position);
-      const std::string name = d_.variables.name(coordinates[k]);
-      if (!isFixed(variable.attributes.fixed, position, true))
-        free_.push_back({{SymbolKind::Coordinate, static_cast<int>(k)}, &system.coordinateStarts[k], name});
-      if (!isFixed(variable.derAttributes.fixed, position, true))
-        free_.push_back({{SymbolKind::Velocity, static_cast<int>(k)}, &system.velocityStarts[k], "der(" + name + ")"});
+    for (int k = 0; k < system.nq; ++k) {
+      const auto scalar = coordinates[static_cast<std::size_t>(k)];
+      if (system.motion.rotationOf(k) == nullptr &&
+          !isFixed(d_.variables.variable(scalar).attributes.fixed, static_cast<std::size_t>(scalar.position), true))
+        free_.push_back({{SymbolKind::Coordinate, k}, &system.coordinateStarts[static_cast<std::size_t>(k)], d_.variables.name(scalar)});
     }
     for (std::size_t k = 0; k < d_.equations.states().size(); ++k) {
       const auto scalar = d_.variables.scalars(Role::Unknown)[static_cast<std::size_t>(d_.equations.states()[k])];

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 namespace tf::mechanics {
 
@@ -48,15 +49,45 @@ std::vector<double> masslessMotion(const HybridSystem &system, const std::vector
 
 }  // namespace
 
+bool checkInertia(Derivation &derivation) {
+  constexpr double kRoundOff = 1e-12;
+  const std::vector<double> parameters = parameterValues(derivation.system);
+  const int errors = derivation.diagnostics.errorCount();
+  for (const BodyEntry &body : derivation.elements.bodies) {
+    if (body.inertia.size() != 9)
+      continue;
+    const Span span = derivation.model.elements[static_cast<std::size_t>(body.element)].find("inertia")->value->span;
+    const std::vector<double> values = ir::evaluate(derivation.system.graph, body.inertia,
+                                                    [&](Symbol symbol) { return parameters[static_cast<std::size_t>(symbol.index)]; });
+    const Eigen::Matrix3d tensor = Eigen::Map<const Eigen::Matrix3d>(values.data());
+    const double scale = tensor.cwiseAbs().maxCoeff();
+    bool isSymmetric = true;
+    for (int i = 0; i < 3; ++i)
+      for (int j = i + 1; j < 3 && isSymmetric; ++j)
+        if (!(std::abs(tensor(i, j) - tensor(j, i)) <= kRoundOff * scale)) {
+          isSymmetric = false;
+          derivation.diagnostics.report(diag::InertiaNotSymmetric, span, body.name, j + 1, i + 1, i + 1, j + 1, tensor(i, j), tensor(j, i));
+        }
+    if (!isSymmetric)
+      continue;
+    // Principal moments A <= B <= C of masses satisfy 0 <= A and C <= A + B.
+    const Eigen::Vector3d moments = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(tensor).eigenvalues();
+    if (!(moments(0) >= -kRoundOff * scale && moments(2) <= (moments(0) + moments(1)) * (1 + kRoundOff)))
+      derivation.diagnostics.report(diag::InertiaNotPositive, span, body.name, moments(0), moments(1), moments(2));
+  }
+  return derivation.diagnostics.errorCount() == errors;
+}
+
 bool checkMass(Derivation &derivation) {
   const HybridSystem &system = derivation.system;
-  const auto &coordinates = derivation.variables.scalars(equations::Role::Coordinate);
   const auto n = static_cast<std::size_t>(system.nv);
   bool isFine = true;
+  std::set<std::string> massless;  // a rotation is reported once
   for (std::size_t k = 0; k < n; ++k)
     if (system.graph.isConstant(system.mass[k * n + k], 0)) {
-      derivation.diagnostics.report(diag::MasslessCoordinate, derivation.variables.variable(coordinates[k]).span,
-                                    derivation.variables.name(coordinates[k]));
+      if (std::string name = derivation.variables.movingName(static_cast<int>(k)); massless.insert(name).second)
+        derivation.diagnostics.report(diag::MasslessCoordinate,
+                                      derivation.variables.variable(derivation.variables.velocity(static_cast<int>(k))).span, name);
       isFine = false;
     }
   if (!isFine || n == 0)
@@ -68,12 +99,15 @@ bool checkMass(Derivation &derivation) {
       return true;
   std::string names;
   Span span;
-  for (std::size_t k = 0; k < n; ++k)
-    if (std::abs(motion[k]) > kMoving) {
-      names += (names.empty() ? "'" : ", '") + derivation.variables.name(coordinates[k]) + "'";
-      if (!span.valid())
-        span = derivation.variables.variable(coordinates[k]).span;
-    }
+  std::set<std::string> named;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::string name = derivation.variables.movingName(static_cast<int>(k));
+    if (std::abs(motion[k]) <= kMoving || !named.insert(name).second)
+      continue;
+    names += (names.empty() ? "'" : ", '") + name + "'";
+    if (!span.valid())
+      span = derivation.variables.variable(derivation.variables.velocity(static_cast<int>(k))).span;
+  }
   derivation.diagnostics.report(diag::SingularMass, span, names);
   return false;
 }

@@ -59,6 +59,49 @@ NodeId startOfAlias(Derivation &d, ParametricValues &values, ir::Symbol symbol) 
   return -1;
 }
 
+// Starts of rotations are normalised: what is given has the right direction only, be it by round-off or by intention.
+void normaliseRotations(Derivation &d) {
+  HybridSystem &system = d.system;
+  const std::vector<double> parameters = parameterValues(system);
+  for (const equations::RotationCoordinate &rotation : system.motion.rotations()) {
+    const auto start = std::span(system.coordinateStarts).subspan(static_cast<std::size_t>(rotation.coordinate), 4);
+    const auto valueOf = [&](ir::Symbol s) {
+      return s.kind == SymbolKind::Parameter ? parameters[static_cast<std::size_t>(s.index)] : d.model.experiment.startTime.value_or(0);
+    };
+    if (std::ranges::all_of(ir::evaluate(system.graph, start, valueOf), [](double value) { return value == 0; })) {
+      const ScalarVariable scalar = d.variables.scalars(Role::Coordinate)[static_cast<std::size_t>(rotation.coordinate)];
+      const flat::Variable &variable = d.variables.variable(scalar);
+      d.diagnostics.report(diag::ZeroRotation, variable.attributes.start->span, variable.name);
+      return;
+    }
+    std::ranges::copy(equations::normalised(system.graph, equations::quaternion(start)), start.begin());
+  }
+}
+
+void tabulateMotion(Derivation &d, ParametricValues &values) {
+  HybridSystem &system = d.system;
+  const auto start = [&](const flat::ExprPtr &given, ScalarVariable scalar, ir::Symbol symbol, std::string_view what) {
+    NodeId node = values.at(given, scalar, what);
+    if (node < 0)
+      node = startOfAlias(d, values, symbol);
+    return node >= 0 ? node : system.graph.constant(0);
+  };
+  for (int k = 0; k < system.nq; ++k) {
+    const ScalarVariable scalar = d.variables.scalars(Role::Coordinate)[static_cast<std::size_t>(k)];
+    const flat::Attributes &attributes = d.variables.variable(scalar).attributes;
+    if (system.motion.rotationOf(k) != nullptr && !attributes.start)
+      system.coordinateStarts.push_back(system.graph.constant(scalar.position % 4 == 0 ? 1 : 0));
+    else
+      system.coordinateStarts.push_back(start(attributes.start, scalar, {SymbolKind::Coordinate, k}, "the start"));
+  }
+  for (int k = 0; k < system.nv; ++k) {
+    const ScalarVariable scalar = d.variables.velocity(k);
+    const flat::Variable &variable = d.variables.variable(scalar);
+    const flat::ExprPtr &given = variable.isAngularVelocity ? variable.attributes.start : variable.derAttributes.start;
+    system.velocityStarts.push_back(start(given, scalar, {SymbolKind::Velocity, k}, "the start of the velocity"));
+  }
+}
+
 }  // namespace
 
 bool tabulateParameters(Derivation &d) {
@@ -72,18 +115,7 @@ bool tabulateParameters(Derivation &d) {
     system.parameterValues.push_back(isConstant ? system.graph[node].value : 0);
     system.parameterBindings.push_back(isConstant ? -1 : node);
   }
-  const auto &coordinates = d.variables.scalars(Role::Coordinate);
-  for (std::size_t k = 0; k < coordinates.size(); ++k) {
-    const flat::Variable &variable = d.variables.variable(coordinates[k]);
-    const auto start = [&](const flat::ExprPtr &given, SymbolKind kind, std::string_view what) {
-      NodeId node = values.at(given, coordinates[k], what);
-      if (node < 0)
-        node = startOfAlias(d, values, {kind, static_cast<int>(k)});
-      return node >= 0 ? node : system.graph.constant(0);
-    };
-    system.coordinateStarts.push_back(start(variable.attributes.start, SymbolKind::Coordinate, "the start"));
-    system.velocityStarts.push_back(start(variable.derAttributes.start, SymbolKind::Velocity, "the start of the velocity"));
-  }
+  tabulateMotion(d, values);
   for (const int state : d.equations.states()) {
     const ScalarVariable scalar = d.variables.scalars(Role::Unknown)[static_cast<std::size_t>(state)];
     system.stateStarts.push_back(values.atOrZero(d.variables.variable(scalar).attributes.start, scalar, "the start"));
@@ -92,7 +124,9 @@ bool tabulateParameters(Derivation &d) {
     const flat::Variable &variable = d.variables.variable(scalar);
     system.inputStarts.push_back(values.atOrZero(variable.binding ? variable.binding : variable.attributes.start, scalar, "the start"));
   }
-  return values.isFine();
+  const int errors = d.diagnostics.errorCount();
+  normaliseRotations(d);
+  return values.isFine() && d.diagnostics.errorCount() == errors;
 }
 
 std::vector<double> parameterValues(const HybridSystem &system) {

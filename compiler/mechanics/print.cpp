@@ -58,17 +58,22 @@ public:
   std::string run() {
     out_ = fmt::format("model {}{}\n", s_.name, s_.description.empty() ? "" : " \"" + s_.description + "\"");
     if (s_.nv > 0)
-      out_ += "complementarity Lagrangian system: M v' = f + sum Jn' normalForce + sum Jt' frictionForce,  v = der(q)\n";
+      out_ += fmt::format("complementarity Lagrangian system: M v' = f + sum Jn' normalForce + sum Jt' frictionForce{},  {}\n",
+                          s_.constraints.empty() ? "" : " + sum H' multiplier",
+                          s_.motion.rotations().empty() ? "v = der(q)" : "der(q) = N(q) v");
     variables("coordinates q", TF_KIND_COORDINATE, s_.coordinateStarts);
     variables("velocities v", TF_KIND_VELOCITY, s_.velocityStarts);
     variables("states z", TF_KIND_STATE, s_.stateStarts);
     variables("inputs u", TF_KIND_INPUT, s_.inputStarts);
     parameters();
+    kinematics();
     dynamics();
     for (const Contact &one : s_.contacts)
       contact(one);
     for (const FrictionElement &one : s_.frictions)
       friction(one);
+    for (const Constraint &one : s_.constraints)
+      constraint(one);
     switches();
     outputs();
     return std::move(out_);
@@ -116,6 +121,14 @@ private:
     }
   }
 
+  void kinematics() {
+    if (!s_.motion.rotations().empty())
+      out_ += "\nrotations: der(R.q) = 1/2 R.q (0, R.w), a product of quaternions; R.w is the angular velocity in the body's frame\n";
+    for (const equations::RotationCoordinate &rotation : s_.motion.rotations())
+      out_ += fmt::format("  {}, ...: {}, ...\n", s_.symbolName({SymbolKind::Coordinate, rotation.coordinate}),
+                          s_.symbolName({SymbolKind::Velocity, rotation.velocity}));
+  }
+
   // Zeros are left out; M is symmetric, its lower half is printed.
   void dynamics() {
     if (s_.nv > 0)
@@ -159,6 +172,19 @@ private:
     out_ += fmt::format("\nfriction {}: |force| <= bound against the slip\n", one.name);
     tangents(one.tangentFirst, one.tangentCount);
     out_ += fmt::format("  bound = {}\n", text(one.bound));
+  }
+
+  void constraint(const Constraint &one) {
+    out_ += fmt::format("\nconstraint {}: residual = 0\n", one.name);
+    for (int k = 0; k < one.rowCount; ++k) {
+      const ConstraintRow &row = s_.constraintRows[static_cast<std::size_t>(one.rowFirst) + k];
+      const std::string index = one.rowCount > 1 ? fmt::format("[{}]", k + 1) : "";
+      out_ += fmt::format("  residual{} = {}\n", index, text(row.residual));
+      if (one.isHolonomic)
+        out_ += fmt::format("  residual{}' = {}\n", index, text(row.rate));
+      out_ += fmt::format("  residual{}{} = H v' + {},  H = {}\n", index, one.isHolonomic ? "''" : "'", text(row.bias),
+                          this->row(row.jacobian));
+    }
   }
 
   void switches() {

@@ -113,6 +113,7 @@ private:
   void addBody(const BodyEntry &body, const flat::Element &element);
   void addTangentRows(const ElementEntry &entry, int kind, const char *result, int first, std::size_t count, const char *unit,
                       const char *description);
+  void addConstraint(const ConstraintEntry &constraint, const flat::Element &element);
   void addSwitches();
   void addParameters();
   void addOutput(std::string name, NodeId node, std::string unit, std::string description, Span span);
@@ -133,19 +134,22 @@ void QuantityTable::addCoordinates() {
     quantity.flags |= startFlags(d_.variables.variable(coordinates[k]).attributes, coordinates[k], true);
   }
   std::vector<std::string> units;
-  for (std::size_t k = 0; k < coordinates.size(); ++k) {
-    const flat::Variable &variable = d_.variables.variable(coordinates[k]);
-    const std::string name = d_.variables.name(coordinates[k]);
-    units.push_back(variable.derAttributes.unit.empty() ? unitPerSecond(variable.attributes.unit) : variable.derAttributes.unit);
+  for (int k = 0; k < system_.nv; ++k) {
+    const ScalarVariable scalar = d_.variables.velocity(k);
+    const flat::Variable &variable = d_.variables.variable(scalar);
+    const flat::Attributes &attributes = variable.isAngularVelocity ? variable.attributes : variable.derAttributes;
+    const std::string unit = variable.isAngularVelocity ? "rad/s" : unitPerSecond(variable.attributes.unit);
+    units.push_back(attributes.unit.empty() ? unit : attributes.unit);
     Quantity &quantity =
-        add("der(" + name + ")", TF_KIND_VELOCITY, static_cast<int>(k), units.back(), "velocity of " + name, variable.span);
-    setBounds(quantity, variable.derAttributes, coordinates[k]);
-    quantity.flags |= startFlags(variable.derAttributes, coordinates[k], true) | (variable.isProtected ? TF_PROTECTED : 0);
+        add(d_.variables.velocityName(k), TF_KIND_VELOCITY, k, units.back(),
+            (variable.isAngularVelocity ? "angular velocity of " : "velocity of ") + d_.variables.movingName(k), variable.span);
+    setBounds(quantity, attributes, scalar);
+    quantity.flags |= startFlags(attributes, scalar, true) | (variable.isProtected ? TF_PROTECTED : 0);
   }
-  for (std::size_t k = 0; k < coordinates.size(); ++k) {
-    const std::string name = d_.variables.name(coordinates[k]);
-    add("der(der(" + name + "))", TF_KIND_ACCELERATION, static_cast<int>(k), unitPerSecond(units[k]), "acceleration of " + name,
-        d_.variables.variable(coordinates[k]).span);
+  for (int k = 0; k < system_.nv; ++k) {
+    const flat::Variable &variable = d_.variables.variable(d_.variables.velocity(k));
+    add("der(" + d_.variables.velocityName(k) + ")", TF_KIND_ACCELERATION, k, unitPerSecond(units[static_cast<std::size_t>(k)]),
+        (variable.isAngularVelocity ? "angular acceleration of " : "acceleration of ") + d_.variables.movingName(k), variable.span);
   }
 }
 
@@ -197,6 +201,8 @@ std::optional<QuantityTable::Target> QuantityTable::aliasOf(NodeId node) const {
     return Target{TF_KIND_NORMAL_FORCE, index, sign};
   case SymbolKind::TangentForce:
     return Target{TF_KIND_TANGENT_FORCE, index, sign};
+  case SymbolKind::Multiplier:
+    return Target{TF_KIND_MULTIPLIER, index, sign};
   default:
     return std::nullopt;
   }
@@ -226,9 +232,8 @@ void QuantityTable::addUnknowns() {
 }
 
 void QuantityTable::addBody(const BodyEntry &body, const flat::Element &element) {
-  ir::Graph &graph = system_.graph;
-  const std::vector<NodeId> velocity = timeDerivative(graph, body.position, AlongMotion::WithoutAcceleration);
-  addOutput(body.name + ".kineticEnergy", kineticEnergyOf(graph, body), "J", "kinetic energy of " + body.name, element.span);
+  const std::vector<NodeId> velocity = timeDerivative(system_, body.position, AlongMotion::WithoutAcceleration);
+  addOutput(body.name + ".kineticEnergy", kineticEnergyOf(system_, body), "J", "kinetic energy of " + body.name, element.span);
   const flat::Attribute *position = element.find("position");
   const bool isScalar = position == nullptr || position->value->type.dims.size() == element.dims.size();
   for (std::size_t k = 0; k < velocity.size(); ++k)
@@ -249,13 +254,12 @@ void QuantityTable::addTangentRows(const ElementEntry &entry, int kind, const ch
 
 void QuantityTable::addElement(const flat::Element &element, flat::ElementId id) {
   const auto isOurs = [&](const ElementEntry &entry) { return entry.element == id; };
-  ir::Graph &graph = system_.graph;
   for (const BodyEntry &body : d_.elements.bodies)
     if (isOurs(body))
       addBody(body, element);
   for (const ForceEntry &force : d_.elements.forces)
     if (isOurs(force))
-      addOutput(force.name + ".power", powerOf(graph, force), "W", "power of " + force.name, element.span);
+      addOutput(force.name + ".power", powerOf(system_, force), "W", "power of " + force.name, element.span);
   for (const PotentialEntry &potential : d_.elements.potentials)
     if (isOurs(potential))
       addOutput(potential.name + ".energy", potential.energy, "J", "energy of " + potential.name, element.span);
@@ -286,6 +290,9 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
     }
     add(contact.name + ".impulse", TF_KIND_IMPULSE, index, "N.s", "accumulated normal impulse of impacts of " + contact.name, element.span);
   }
+  for (const ConstraintEntry &constraint : d_.elements.constraints)
+    if (isOurs(constraint))
+      addConstraint(constraint, element);
   for (const FrictionEntry &friction : d_.elements.frictions)
     if (isOurs(friction)) {
       addTangentRows(friction, TF_KIND_TANGENT_FORCE, "force", friction.tangentFirst, friction.slip.size(), "N", "friction force of ");
@@ -296,6 +303,14 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
       add(friction.name + ".sticking", TF_KIND_STICKING, friction.tangentFirst, "", friction.name + " sticks", element.span).flags |=
           TF_BOOLEAN;
     }
+}
+
+void QuantityTable::addConstraint(const ConstraintEntry &constraint, const flat::Element &element) {
+  const bool isScalar = element.find(residualOf(element))->value->type.dims.size() == element.dims.size();
+  const int size = static_cast<int>(constraint.residual.size());
+  for (int k = 0; k < size; ++k)
+    add(equations::elementName(constraint.name + ".multiplier", isScalar ? std::vector<int>{} : std::vector{size}, k), TF_KIND_MULTIPLIER,
+        constraint.rowFirst + k, "", "force of " + constraint.name + " along its residual", element.span);
 }
 
 void QuantityTable::addSwitches() {

@@ -42,7 +42,8 @@ public:
     nodes("state derivatives", s_.stateDerivatives, Scope::Motion);
     nodes("residual", s_.residual, Scope::Everything);
     nodes("outputs", s_.outputs, Scope::Everything);
-    nodes("energies", {s_.kineticEnergy, s_.potentialEnergy, s_.power}, Scope::Motion);
+    nodes("energies", {s_.kineticEnergy, s_.potentialEnergy}, Scope::Motion);
+    nodes("power", {s_.power}, Scope::Everything);
     for (const std::vector<NodeId> *starts : {&s_.coordinateStarts, &s_.velocityStarts, &s_.stateStarts, &s_.inputStarts})
       nodes("starts", *starts, Scope::Parameters);
     for (const NodeId binding : s_.parameterBindings)

@@ -65,7 +65,8 @@ ExprPtr bindingOf(Context &context, Component &component) {
   component.bindingProgress = Progress::Running;
   if (component.modifier && component.modifier->binding && component.isLeaf()) {
     const Binding &binding = *component.modifier->binding;
-    component.binding = typeShapedBinding(context, binding, binding.isEach, typeOf(component).base, component.dimensions, component.name);
+    const Type type = typeOf(component);
+    component.binding = typeShapedBinding(context, binding, binding.isEach, type.base, type.dims, component.name);
   }
   component.bindingProgress = Progress::Done;
   return component.binding;

@@ -157,6 +157,11 @@ ExprPtr typeBuiltinCall(Typer &typer, std::string_view name, const ast::Expr &ca
     arguments.push_back(typer.type(*argument));
   if (std::ranges::any_of(arguments, [](const ExprPtr &argument) { return argument == nullptr; }))
     return nullptr;
+  for (const ExprPtr &argument : arguments)
+    if (argument->type.base == Base::Rotation && !function.takesRotations) {
+      (void)expectArgument(typer, argument, false, "a number or an array of numbers");
+      return nullptr;
+    }
   if (function.signature != Signature::Special)
     return typeMath(typer, function, arguments, call.span);
   return function.type(typer, arguments, call);

@@ -25,6 +25,7 @@ struct BuiltinFunction {
   int minimum = 1, maximum = 1;                                                         // number of arguments
   std::array<std::string_view, 4> parameters = {};                                      // names for named arguments
   ExprPtr (*type)(Typer &, const std::vector<ExprPtr> &, const ast::Expr &) = nullptr;  // Special
+  bool takesRotations = false;
 };
 
 [[nodiscard]] std::span<const BuiltinFunction> mathFunctions();

@@ -8,6 +8,7 @@
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
+#include <array>
 #include <cassert>
 
 namespace tf::semantics {
@@ -97,10 +98,8 @@ private:
     if (component_.clause->isCoordinate && type.predefined->kind != PredefinedKind::Real &&
         type.predefined->kind != PredefinedKind::Rotation)
       return wrongCoordinate();
-    if (type.predefined->kind == PredefinedKind::Rotation) {
-      context_.diagnostics.report(diag::NotSupported, component_.clause->type.span, "'Rotation'");
+    if (type.predefined->kind == PredefinedKind::Rotation && !mayBeRotation())
       return false;
-    }
     component_.leaf = &instantiateClass(context_, type, component_.modifier, &component_, component_.path, ownDims);
     checkModifierNames(context_, component_.modifier, *component_.leaf, component_.clause->isCoordinate);
     const Class *container = component_.container;
@@ -109,6 +108,20 @@ private:
                                       : component_.leaf->causality == ast::Causality::Output ? flat::Causality::Output
                                                                                              : flat::Causality::Local;
     return checkPrefixes() && evaluateDimensions(component_.leaf->dimensions);
+  }
+
+  // Inputs, parameters and discrete variables would be four numbers without the length of a unit quaternion.
+  bool mayBeRotation() {
+    static constexpr std::array<std::string_view, 3> kVariabilities = {"discrete", "a parameter", "a constant"};
+    const Prefixes &prefixes = component_.prefixes;
+    std::string_view what;
+    if (prefixes.isVariabilityGiven && prefixes.variability != Variability::Continuous)
+      what = kVariabilities[static_cast<std::size_t>(Variability::Discrete) - static_cast<std::size_t>(prefixes.variability)];
+    else if (prefixes.causality == flat::Causality::Input)
+      what = "an input";
+    if (!what.empty())
+      context_.diagnostics.report(diag::RotationKind, component_.clause->type.span, component_.name, what);
+    return what.empty();
   }
 
   bool checkPrefixes() {
@@ -298,14 +311,35 @@ bool isPresent(Context &context, Component &component) {
 
 Type typeOf(const Component &component) {
   assert(component.isLeaf());
-  return {baseOf(component.leaf->predefined->kind), component.dimensions};
+  Type type{baseOf(component.leaf->predefined->kind), component.dimensions};
+  if (type.base == Base::Rotation)
+    type.dims.push_back(4);
+  return type;
 }
 
 Variability variabilityOf(const Component &component) {
   if (component.prefixes.isVariabilityGiven && component.prefixes.variability != Variability::Continuous)
     return component.prefixes.variability;
-  return baseOf(component.leaf->predefined->kind) == Base::Real ? Variability::Continuous : Variability::Discrete;
+  const Base base = baseOf(component.leaf->predefined->kind);
+  return base == Base::Real || base == Base::Rotation ? Variability::Continuous : Variability::Discrete;
 }
+
+namespace {
+
+// "R.w", the variable after the rotation coordinate.
+void addAngularVelocity(Context &context, Component &component) {
+  flat::Variable velocity = context.model.variables[static_cast<std::size_t>(component.variable)];
+  velocity.name += ".w";
+  velocity.type = {Base::Real, component.dimensions};
+  velocity.type.dims.push_back(3);
+  velocity.isCoordinate = false;
+  velocity.isAngularVelocity = true;
+  velocity.description.clear();
+  context.model.variables.push_back(std::move(velocity));
+  context.variableOwners.push_back(&component);
+}
+
+}  // namespace
 
 flat::VariableId variableOf(Context &context, Component &component) {
   assert(component.isLeaf() && !component.leaf->predefined->isElement());
@@ -324,6 +358,8 @@ flat::VariableId variableOf(Context &context, Component &component) {
   variable.description = descriptionOf(component.declaration->comment);
   variable.literals = component.leaf->literals;
   variable.span = component.declaration->name.span;
+  if (variable.isCoordinate && variable.type.base == Base::Rotation)
+    addAngularVelocity(context, component);
   return component.variable;
 }
 

@@ -480,6 +480,10 @@ void checkModifierNames(Context &context, const ModifierPtr &modifier, Class &ty
       checkAttributeModifier(context, *child);
       continue;
     }
+    const bool isRotationPart =
+        type.predefined != nullptr && type.predefined->kind == PredefinedKind::Rotation && (child->name == "q" || child->name == "w");
+    if (isRotationPart && isCoordinate)
+      continue;
     if (child->name == "der" && type.predefined != nullptr) {
       if (!isCoordinate)
         context.diagnostics.report(diag::DerModifierOutsideCoordinate, child->nameSpan);

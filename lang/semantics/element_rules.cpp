@@ -59,6 +59,10 @@ public:
       return find(*expr.args[0], derivatives + 1, quantity) != nullptr ? &expr : nullptr;
     case ExprKind::Variable:
       return variable(expr, derivatives, quantity);
+    case ExprKind::Call:
+      if (expr.function == Function::AngularVelocity)
+        return find(*expr.args[0], derivatives + 1, quantity) != nullptr ? &expr : nullptr;
+      [[fallthrough]];
     default:
       for (const ExprPtr &arg : expr.args)
         if (const Expr *found = find(*arg, derivatives, quantity))
@@ -73,6 +77,8 @@ private:
     const flat::Variable &declared = context_.model.variables[static_cast<std::size_t>(expr.variable)];
     if (declared.causality == flat::Causality::Input)
       return judge(expr, Quantity::Input, quantity);
+    if (declared.isAngularVelocity)
+      return judge(expr, derivatives == 0 ? Quantity::Velocity : Quantity::Acceleration, quantity);
     if (declared.isCoordinate)
       return judge(expr,
                    derivatives == 0   ? Quantity::Coordinate
@@ -122,7 +128,8 @@ bool dependsOnCoordinates(Context &context, const Expr &expr, std::set<const Com
   if (expr.variability <= Variability::Parameter)
     return false;
   if (expr.kind == ExprKind::Variable) {
-    if (context.model.variables[static_cast<std::size_t>(expr.variable)].isCoordinate)
+    const flat::Variable &variable = context.model.variables[static_cast<std::size_t>(expr.variable)];
+    if (variable.isCoordinate || variable.isAngularVelocity)
       return true;
     Component &component = *context.variableOwners[static_cast<std::size_t>(expr.variable)];
     if (!visited.insert(&component).second)
@@ -223,7 +230,12 @@ private:
     case Function::NoEvent:
     case Function::Smooth:
       return largest(expr);
+    case Function::AngularVelocity: {
+      std::set<const Component *> visited;
+      return dependsOnCoordinates(context_, *expr.args[0], visited) ? 1 : 0;
+    }
     case Function::Cross:
+    case Function::Rotate:
     case Function::OuterProduct:
       return std::min(of(*expr.args[0]) + of(*expr.args[1]), 2);
     default:
@@ -232,6 +244,8 @@ private:
   }
 
   int variable(const Expr &expr) {
+    if (context_.model.variables[static_cast<std::size_t>(expr.variable)].isAngularVelocity)
+      return 1;
     Component &component = *context_.variableOwners[static_cast<std::size_t>(expr.variable)];
     const auto [entry, isNew] = known_.try_emplace(&component, 0);
     if (!isNew)

@@ -25,6 +25,8 @@ bool fits(Shape shape, const std::vector<int> &dims) {
     return dims.size() <= 1;
   case Shape::Inertia:
     return isScalar || dims == std::vector<int>{3, 3};
+  case Shape::Rotation:
+    return isVectorOf(4);
   }
   return false;
 }
@@ -43,6 +45,8 @@ std::string_view describe(Shape shape) {
     return "a scalar or a vector";
   case Shape::Inertia:
     return "a scalar or 3 x 3 elements";
+  case Shape::Rotation:
+    return "a Rotation";
   }
   return "";
 }
@@ -98,7 +102,7 @@ ExprPtr shaped(Context &context, const Component &element, const AttributeSpec &
     }
     shape.assign(given.begin() + static_cast<std::ptrdiff_t>(covered.size()), given.end());
   }
-  if (!fits(spec.shape, shape)) {
+  if (!fits(value->type.base == Base::Rotation ? Shape::Rotation : spec.shape, shape)) {
     reportShape(context, spec, *value, modifier.span);
     return nullptr;
   }
@@ -123,14 +127,11 @@ ExprPtr attributeOf(Context &context, Component &element, const AttributeSpec &s
   const Modifier *modifier = givenAttribute(element, spec.name);
   if (modifier == nullptr)
     return entry->second = defaultOf(spec, element);
-  if (spec.isRotation) {
-    context.diagnostics.report(diag::NotSupported, modifier->span, "'orientation' of a body");
-    return nullptr;
-  }
   ExprPtr value = typeBinding(context, *modifier->binding);
   if (value == nullptr)
     return nullptr;
-  if (!isConvertible(value->type.base, spec.base)) {
+  const bool isRotation = spec.mayBeRotation && value->type.base == Base::Rotation;
+  if (!isRotation && !isConvertible(value->type.base, spec.base)) {
     context.diagnostics.report(diag::AttributeType, modifier->span, spec.name, toString({spec.base, {}}), toString(value->type));
     return nullptr;
   }
@@ -169,8 +170,9 @@ ExprPtr typeElementPart(Context &context, Component &element, const ast::Name &p
   read.type = {result->base, element.dimensions};
   read.variability = result->base == Base::Real ? Variability::Continuous : Variability::Discrete;
   read.span = span;
-  if (!result->shapeOf.empty())
-    if (const ExprPtr model = attributeOf(context, element, *predefined.attribute(result->shapeOf))) {
+  const bool isFirstGiven = result->orShapeOf.empty() || givenAttribute(element, result->shapeOf) != nullptr;
+  if (const std::string_view from = isFirstGiven ? result->shapeOf : result->orShapeOf; !from.empty())
+    if (const ExprPtr model = attributeOf(context, element, *predefined.attribute(from))) {
       const std::vector<int> shape = shapeOf(model, element);
       read.type.dims.insert(read.type.dims.end(), shape.begin(), shape.end());
     }
@@ -187,9 +189,7 @@ public:
   void run() {
     for (const AttributeSpec &spec : predefined_.attributes)
       addAttribute(spec);
-    if (predefined_.kind == PredefinedKind::Constraint)
-      context_.diagnostics.report(diag::NotSupported, element_.clause->type.span, "'constraint'");
-    else if (!hasUnknownAttribute())
+    if (!hasUnknownAttribute())
       checkRequired();
   }
 
@@ -258,10 +258,13 @@ private:
     case PredefinedKind::Force:
       require("value");
       require("at");
-      checkSameShape("value", "at");
+      checkForceShape();
       break;
     case PredefinedKind::Potential:
       require("energy");
+      break;
+    case PredefinedKind::Constraint:
+      checkConstraint();
       break;
     case PredefinedKind::Contact:
       require("gap");
@@ -281,6 +284,38 @@ private:
       context_.diagnostics.report(diag::BodyWithoutMotion, name_, element_.name);
     requireWith("mass", "position");
     requireWith("inertia", "angle");
+    requireWith("inertia", "orientation");
+    if (has("angle") && has("orientation"))
+      context_.diagnostics.report(diag::AngleAndOrientation, givenAttribute(element_, "orientation")->span, element_.name);
+    else if (has("orientation")) {
+      requireShape("inertia", {3, 3}, "3 x 3 elements beside 'orientation'");
+      requireShape("position", {3}, "3 elements beside 'orientation'");
+    } else if (has("angle")) {
+      requireShape("inertia", {}, "a scalar beside 'angle'");
+    }
+  }
+
+  void requireShape(std::string_view attribute, const std::vector<int> &shape, std::string_view wanted) {
+    const ExprPtr value = has(attribute) ? attributeOf(context_, element_, *predefined_.attribute(attribute)) : nullptr;
+    if (value != nullptr && shapeOf(value, element_) != shape)
+      context_.diagnostics.report(diag::AttributeShape, givenAttribute(element_, attribute)->span, attribute, wanted,
+                                  toString({Base::Real, shapeOf(value, element_)}));
+  }
+
+  void checkConstraint() {
+    if (!has("residual") && !has("velocityResidual"))
+      context_.diagnostics.report(diag::AttributeMissing, name_, predefined_.name, element_.name, "residual' or 'velocityResidual");
+    else if (has("residual") && has("velocityResidual"))
+      context_.diagnostics.report(diag::TwoResiduals, givenAttribute(element_, "velocityResidual")->span, element_.name);
+  }
+
+  // A torque at a rotation is a vector.
+  void checkForceShape() {
+    const ExprPtr at = attributeOf(context_, element_, *predefined_.attribute("at"));
+    if (at == nullptr || at->type.base != Base::Rotation)
+      checkSameShape("value", "at");
+    else
+      requireShape("value", {3}, "3 elements where 'at' is a Rotation");
   }
 
   void checkSameShape(std::string_view first, std::string_view second) {

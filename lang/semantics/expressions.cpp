@@ -56,14 +56,22 @@ ExprPtr share(Expr &&expr) {
 int sizeOf(const std::vector<int> &dims) { return std::accumulate(dims.begin(), dims.end(), 1, std::multiplies<>()); }
 
 std::string toString(const Type &type) {
-  static constexpr std::array<std::string_view, 5> kNames = {"Real", "Integer", "Boolean", "String", "enumeration"};
+  static constexpr std::array<std::string_view, 6> kNames = {"Real", "Integer", "Boolean", "String", "enumeration", "Rotation"};
   std::string text(kNames[static_cast<std::size_t>(type.base)]);
-  if (type.dims.empty())
+  const std::vector<int> dims = visibleDims(type);
+  if (dims.empty())
     return text;
   text += "[";
-  for (std::size_t i = 0; i < type.dims.size(); ++i)
-    text += (i == 0 ? "" : ", ") + std::to_string(type.dims[i]);
+  for (std::size_t i = 0; i < dims.size(); ++i)
+    text += (i == 0 ? "" : ", ") + std::to_string(dims[i]);
   return text + "]";
+}
+
+std::vector<int> visibleDims(const Type &type) {
+  std::vector<int> dims = type.dims;
+  if (type.base == Base::Rotation && !dims.empty())
+    dims.pop_back();
+  return dims;
 }
 
 bool isConvertible(Base from, Base to) { return from == to || (from == Base::Integer && to == Base::Real); }
@@ -189,6 +197,17 @@ ExprPtr makeLogical(Operator op, ExprPtr left, ExprPtr right, Span span, Diagnos
   return binaryNode(op, type, std::move(left), std::move(right), span);
 }
 
+// R*r: the vector in the world's frame; R1*R2: first R2, then R1.
+ExprPtr makeTurned(ExprPtr left, ExprPtr right, Span span, Diagnostics &diagnostics) {
+  if (isRotation(right->type)) {
+    const Type type = left->type;
+    return makeCall(flat::Function::RotationProduct, type, {std::move(left), std::move(right)}, span);
+  }
+  if (!isNumeric(right->type.base) || right->type.dims != std::vector<int>{3})
+    return typeError(diagnostics, "*", left, right, span);
+  return makeCall(flat::Function::Rotate, {Base::Real, {3}}, {std::move(left), toReal(right)}, span);
+}
+
 }  // namespace
 
 ExprPtr makeBinary(Operator op, ExprPtr left, ExprPtr right, Span span, Diagnostics &diagnostics, bool isElementwise) {
@@ -201,6 +220,8 @@ ExprPtr makeBinary(Operator op, ExprPtr left, ExprPtr right, Span span, Diagnost
   if (op == Operator::Plus && left->type.base == Base::String && left->type == right->type && left->kind == ExprKind::Literal &&
       right->kind == ExprKind::Literal && left->type.dims.empty())
     return makeString(left->text + right->text, span);
+  if (op == Operator::Times && isRotation(left->type))
+    return makeTurned(std::move(left), std::move(right), span, diagnostics);
   if (!isNumeric(left->type.base) || !isNumeric(right->type.base))
     return typeError(diagnostics, spelling(op), left, right, span);
   const Base base = left->type.base == Base::Integer && right->type.base == Base::Integer ? Base::Integer : Base::Real;
@@ -246,6 +267,10 @@ ExprPtr makeIf(ExprPtr condition, ExprPtr thenValue, ExprPtr elseValue, Span spa
     return nullptr;
   }
   const Type type = thenValue->type;
+  if (type.base == Base::Rotation && condition->variability > Variability::Parameter) {
+    diagnostics.report(diag::NotSupported, span, "'if' between rotations");
+    return nullptr;
+  }
   return share(node(ExprKind::If, type, {std::move(condition), std::move(thenValue), std::move(elseValue)}, span));
 }
 

@@ -64,6 +64,10 @@ using VariableValues = std::function<std::optional<std::vector<double>>(const fl
 [[nodiscard]] int sizeOf(const std::vector<int> &dims);
 // "Real[2, 3]"
 [[nodiscard]] std::string toString(const Type &type);
+// The dimensions as written: without the four numbers of a Rotation.
+[[nodiscard]] std::vector<int> visibleDims(const Type &type);
+// One Rotation, not an array of them.
+[[nodiscard]] inline bool isRotation(const Type &type) { return type.base == Base::Rotation && type.dims.size() == 1; }
 // Whether a value of type `from` may stand where `to` is wanted, dimensions aside.
 [[nodiscard]] bool isConvertible(Base from, Base to);
 [[nodiscard]] inline bool isNumeric(Base base) { return base == Base::Real || base == Base::Integer; }

@@ -17,7 +17,8 @@
 
 namespace tf::flat {
 
-enum class Base : std::uint8_t { Real, Integer, Boolean, String, Enumeration };
+// A Rotation is a unit quaternion (w, x, y, z): its last dimension is 4.
+enum class Base : std::uint8_t { Real, Integer, Boolean, String, Enumeration, Rotation };
 
 struct Type {
   Base base = Base::Real;
@@ -109,6 +110,12 @@ enum class Function : std::uint8_t {
   Scalar,
   Vector,
   Matrix,
+  Rotate,           // Rotation, vector: the vector in the world's frame
+  RotationProduct,  // of two Rotations: first the right one
+  Inverse,          // of a Rotation
+  RotationAbout,    // axis, angle
+  Quaternion,       // of a Rotation: Real[4]
+  AngularVelocity,  // of a Rotation, in the body's frame
   NoEvent,
   Smooth,
   Initial,
@@ -168,7 +175,8 @@ struct Variable {
   Variability variability = Variability::Continuous;
   Causality causality = Causality::Local;
   bool isCoordinate = false;
-  bool isStructural = false;  // parameter whose value is folded into sizes, conditions or Evaluate = true
+  bool isAngularVelocity = false;  // "R.w": of the rotation coordinate that is the variable before this one, in the body's frame
+  bool isStructural = false;       // parameter whose value is folded into sizes, conditions or Evaluate = true
   bool isFinal = false, isProtected = false;
   Attributes attributes;
   Attributes derAttributes;  // coordinates: of the velocity

@@ -8,6 +8,7 @@
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace tf::semantics {
@@ -62,7 +63,15 @@ private:
     if (component.leaf->predefined->isElement())
       (void)elementOf(context_, component);
     else
-      declared_.push_back(variableOf(context_, component));
+      declareVariable(component);
+  }
+
+  void declareVariable(Component &component) {
+    declared_.push_back(variableOf(context_, component));
+    if (const auto next = static_cast<std::size_t>(declared_.back()) + 1; next < context_.model.variables.size() &&
+                                                                          context_.model.variables[next].isAngularVelocity &&
+                                                                          context_.variableOwners[next] == &component)
+      declared_.push_back(static_cast<flat::VariableId>(next));
   }
 
   void complete(Component &component) {
@@ -72,10 +81,18 @@ private:
     }
     const flat::VariableId id = variableOf(context_, component);
     const ExprPtr binding = bindingOf(context_, component);
-    flat::Attributes attributes = attributesOf(component, component.leaf->leafModifier, false);
-    flat::Attributes derAttributes;
-    if (const ModifierPtr *der = component.leaf->leafModifier ? component.leaf->leafModifier->find("der") : nullptr)
-      derAttributes = attributesOf(component, *der, (*der)->isEach);
+    flat::Attributes attributes = attributesOf(component, component.leaf->leafModifier, false, Part::Whole);
+    const auto partAttributes = [&](Part part) {
+      const ModifierPtr *found = component.leaf->leafModifier ? component.leaf->leafModifier->find(nameOf(part)) : nullptr;
+      return found == nullptr ? flat::Attributes{} : attributesOf(component, *found, (*found)->isEach, part);
+    };
+    flat::Attributes derAttributes = partAttributes(Part::Derivative);
+    if (typeOf(component).base == Base::Rotation && component.clause->isCoordinate) {
+      const flat::Attributes ofQuaternion = partAttributes(Part::Quaternion);
+      attributes.start = ofQuaternion.start ? ofQuaternion.start : attributes.start;
+      attributes.fixed = ofQuaternion.fixed ? ofQuaternion.fixed : attributes.fixed;
+      context_.model.variables[static_cast<std::size_t>(id) + 1].attributes = partAttributes(Part::AngularVelocity);
+    }
     checkBinding(component, binding);
     const bool isGiven = (component.modifier && component.modifier->binding) || givenAttribute(component, "start") != nullptr;
     if (variabilityOf(component) == Variability::Parameter && !isGiven && typeOf(component).base != Base::String)
@@ -87,44 +104,53 @@ private:
     variable.derAttributes = std::move(derAttributes);
   }
 
-  flat::Attributes attributesOf(Component &component, const ModifierPtr &modifier, bool isEach) {
+  // What a modification speaks of: the variable, its derivative, or a part of a rotation.
+  enum class Part : std::uint8_t { Whole, Derivative, Quaternion, AngularVelocity };
+
+  static std::string_view nameOf(Part part) {
+    static constexpr std::array<std::string_view, 4> kNames = {"", "der", "q", "w"};
+    return kNames[static_cast<std::size_t>(part)];
+  }
+
+  static std::vector<std::string> attributesOf(Part part) {
+    if (part == Part::Quaternion)
+      return {"start", "fixed"};
+    return {"start", "fixed", "min", "max", "nominal", "unit"};
+  }
+
+  flat::Attributes attributesOf(Component &component, const ModifierPtr &modifier, bool isEach, Part part) {
     flat::Attributes result;
     if (!modifier)
       return result;
-    const Base base = typeOf(component).base;
-    const bool isDer = modifier->name == "der";
     for (const ModifierPtr &child : modifier->children) {
-      if (child->name == "der" && !isDer)
+      if (child->name == "der" && part == Part::Whole)
         continue;
       if (!child->binding) {
-        if (isDer && child->children.empty())
+        if (part != Part::Whole && child->children.empty())
           context_.diagnostics.report(diag::AttributeWithoutValue, child->nameSpan, child->name);
         continue;
       }
-      setAttribute(component, *child, isEach, base, isDer, result);
+      setAttribute(component, *child, isEach, part, result);
     }
     return result;
   }
 
-  void setAttribute(Component &component, const Modifier &child, bool isEach, Base base, bool isDer, flat::Attributes &result) {
-    const auto shaped = [&](Base wanted) {
-      return typeShapedBinding(context_, *child.binding, isEach || child.isEach || child.binding->isEach, wanted, component.dimensions,
-                               child.name);
-    };
-    const AttributeSpec *spec = component.leaf->predefined->attribute(child.name);
-    static constexpr std::string_view kDerAttributes[] = {"start", "fixed", "min", "max", "nominal", "unit"};
-    if (isDer && std::ranges::find(kDerAttributes, child.name) == std::end(kDerAttributes)) {
-      const std::vector<std::string> names(std::begin(kDerAttributes), std::end(kDerAttributes));
-      context_.diagnostics.report(diag::UnknownAttribute, child.nameSpan, child.name, "der").suggest(child.name, names);
+  void setAttribute(Component &component, const Modifier &child, bool isEach, Part part, flat::Attributes &result) {
+    const Base base = typeOf(component).base;
+    const std::vector<std::string> names = attributesOf(part);
+    if (part != Part::Whole && std::ranges::find(names, child.name) == names.end()) {
+      context_.diagnostics.report(diag::UnknownAttribute, child.nameSpan, child.name, nameOf(part)).suggest(child.name, names);
       return;
     }
+    const PredefinedClass &described = part == Part::AngularVelocity ? *findPredefined("Real") : *component.leaf->predefined;
+    const AttributeSpec *spec = described.attribute(child.name);
     if (spec == nullptr)
       return;
     if (spec->base == Base::String && base != Base::String) {
       (child.name == "unit" ? result.unit : child.name == "displayUnit" ? result.displayUnit : result.quantity) = text(component, child);
       return;
     }
-    ExprPtr value = shaped(spec->base);
+    ExprPtr value = attributeValue(component, child, isEach, part, *spec);
     if (value != nullptr && value->variability > Variability::Parameter) {
       context_.diagnostics.report(diag::AttributeVariability, value->span, child.name);
       return;
@@ -139,6 +165,27 @@ private:
       result.max = value;
     else if (child.name == "nominal")
       result.nominal = value;
+  }
+
+  // `fixed` of a rotation is one for its quaternion as a whole.
+  ExprPtr attributeValue(Component &component, const Modifier &child, bool isEach, Part part, const AttributeSpec &spec) {
+    const bool isWholeFixed = typeOf(component).base == Base::Rotation && part != Part::AngularVelocity && spec.base == Base::Boolean;
+    std::vector<int> dims = part == Part::AngularVelocity || isWholeFixed ? component.dimensions : typeOf(component).dims;
+    if (part == Part::AngularVelocity)
+      dims.push_back(3);
+    ExprPtr value =
+        typeShapedBinding(context_, *child.binding, isEach || child.isEach || child.binding->isEach, spec.base, dims, child.name);
+    if (value == nullptr || !isWholeFixed)
+      return value;
+    const auto known = constantValue(context_, *value);
+    if (!known) {
+      context_.diagnostics.report(diag::NotConstant, value->span, "'fixed' of a rotation");
+      return nullptr;
+    }
+    std::vector<double> entries;
+    for (const double entry : *known)
+      entries.insert(entries.end(), 4, entry);
+    return makeLiteral({Base::Boolean, typeOf(component).dims}, std::move(entries), value->span);
   }
 
   // The value of a String attribute, the same for all elements of an array.

@@ -7,11 +7,13 @@ namespace tf::flat {
 
 namespace {
 
-constexpr std::array<std::string_view, 43> kFunctions = {
-    "abs",  "sign",   "sqrt",   "sin",     "cos",       "tan",    "asin",    "acos",     "atan",     "atan2",        "sinh",
-    "cosh", "tanh",   "exp",    "log",     "log10",     "div",    "mod",     "rem",      "floor",    "ceil",         "integer",
-    "min",  "max",    "sum",    "product", "transpose", "cross",  "skew",    "diagonal", "identity", "outerProduct", "symmetric",
-    "fill", "scalar", "vector", "matrix",  "noEvent",   "smooth", "initial", "terminal", "pre",      "edge"};
+constexpr std::array<std::string_view, 49> kFunctions = {
+    "abs",     "sign",     "sqrt",     "sin",      "cos",          "tan",       "asin",  "acos",    "atan",
+    "atan2",   "sinh",     "cosh",     "tanh",     "exp",          "log",       "log10", "div",     "mod",
+    "rem",     "floor",    "ceil",     "integer",  "min",          "max",       "sum",   "product", "transpose",
+    "cross",   "skew",     "diagonal", "identity", "outerProduct", "symmetric", "fill",  "scalar",  "vector",
+    "matrix",  "rotate",   "rotate",   "inverse",  "rotation",     "q",         "w",     "noEvent", "smooth",
+    "initial", "terminal", "pre",      "edge"};
 constexpr std::array<std::string_view, 3> kMoreFunctions = {"change", "sample", "String"};
 
 }  // namespace

@@ -82,7 +82,10 @@ private:
   [[nodiscard]] bool isCoordinate(const Expr &expr) const {
     return expr.kind == ExprKind::Variable && model_.variables[static_cast<std::size_t>(expr.variable)].isCoordinate;
   }
-  [[nodiscard]] bool isVelocity(const Expr &expr) const { return expr.kind == ExprKind::Derivative && isCoordinate(*expr.args[0]); }
+  [[nodiscard]] bool isVelocity(const Expr &expr) const {
+    return (expr.kind == ExprKind::Derivative && isCoordinate(*expr.args[0])) ||
+           (expr.kind == ExprKind::Variable && model_.variables[static_cast<std::size_t>(expr.variable)].isAngularVelocity);
+  }
   [[nodiscard]] bool isAcceleration(const Expr &expr) const {
     if (expr.kind != ExprKind::Derivative)
       return false;

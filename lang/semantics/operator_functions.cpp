@@ -3,6 +3,8 @@
 #include "lang/semantics/components.h"
 #include "lang/semantics/diagnostics.h"
 
+#include <algorithm>
+
 namespace tf::semantics {
 
 using flat::Function;
@@ -27,6 +29,12 @@ const flat::Expr *findUndifferentiable(const Context &context, const flat::Expr 
 
 ExprPtr typeDer(Typer &typer, const std::vector<ExprPtr> &arguments, const ast::Expr &call) {
   const ExprPtr &operand = arguments[0];
+  if (operand->type.base == Base::Rotation) {
+    const std::string text(typer.context().sources.text(operand->span));
+    typer.diagnostics().report(diag::NoDerivative, operand->span, text,
+                               fmt::format("a rotation; its angular velocity in the body's frame is '{}.w'", text));
+    return nullptr;
+  }
   if (!expectArgument(typer, operand, isNumeric(operand->type.base), "Real"))
     return nullptr;
   if (operand->variability <= Variability::Parameter)
@@ -94,9 +102,23 @@ ExprPtr typeEventOperator(Typer &typer, const std::vector<ExprPtr> &, const ast:
   return nullptr;
 }
 
-ExprPtr typeRotationFunction(Typer &typer, const std::vector<ExprPtr> &, const ast::Expr &call) {
-  typer.diagnostics().report(diag::NotSupported, call.reference.span, "'Rotation'");
-  return nullptr;
+ExprPtr typeInverse(Typer &typer, const std::vector<ExprPtr> &arguments, const ast::Expr &call) {
+  const ExprPtr &rotation = arguments[0];
+  if (!expectArgument(typer, rotation, isRotation(rotation->type), "a Rotation"))
+    return nullptr;
+  return makeCall(Function::Inverse, rotation->type, {rotation}, call.span);
+}
+
+// Constant axes must have a direction.
+ExprPtr typeRotationAbout(Typer &typer, const std::vector<ExprPtr> &arguments, const ast::Expr &call) {
+  const ExprPtr axis = toReal(arguments[0]), angle = toReal(arguments[1]);
+  if (!expectArgument(typer, axis, axis->type == Type{Base::Real, {3}}, "an axis of 3 elements") ||
+      !expectArgument(typer, angle, angle->type == Type{Base::Real, {}}, "an angle"))
+    return nullptr;
+  const bool isZero = axis->kind == flat::ExprKind::Literal && std::ranges::all_of(axis->values, [](double v) { return v == 0; });
+  if (!expectArgument(typer, axis, !isZero, "an axis that is not 0"))
+    return nullptr;
+  return makeCall(Function::RotationAbout, {Base::Rotation, {4}}, {axis, angle}, call.span);
 }
 
 ExprPtr typeStatement(Typer &typer, const std::vector<ExprPtr> &, const ast::Expr &call) {
@@ -106,24 +128,24 @@ ExprPtr typeStatement(Typer &typer, const std::vector<ExprPtr> &, const ast::Exp
 
 BuiltinFunction special(std::string_view name, int minimum, int maximum,
                         ExprPtr (*type)(Typer &, const std::vector<ExprPtr> &, const ast::Expr &),
-                        std::array<std::string_view, 4> parameters = {}) {
-  return {name, Signature::Special, Function::Abs, minimum, maximum, parameters, type};
+                        std::array<std::string_view, 4> parameters = {}, bool takesRotations = false) {
+  return {name, Signature::Special, Function::Abs, minimum, maximum, parameters, type, takesRotations};
 }
 
 }  // namespace
 
 std::span<const BuiltinFunction> operatorFunctions() {
   static const std::array kFunctions = {
-      special("der", 1, 1, typeDer, {"expr"}),
-      special("noEvent", 1, 1, typeNoEvent, {"expr"}),
-      special("smooth", 2, 2, typeSmooth, {"p", "expr"}),
+      special("der", 1, 1, typeDer, {"expr"}, true),
+      special("noEvent", 1, 1, typeNoEvent, {"expr"}, true),
+      special("smooth", 2, 2, typeSmooth, {"p", "expr"}, true),
       special("initial", 0, 0, typeInitial),
       special("homotopy", 1, 2, typeHomotopy, {"actual", "simplified"}),
       special("semiLinear", 3, 3, typeSemiLinear, {"x", "k1", "k2"}),
       special("Integer", 1, 1, typeIntegerOf, {"e"}),
       special("String", 1, 4, typeStringOf, {"value", "significantDigits", "minimumLength", "leftJustified"}),
-      special("inverse", 1, 1, typeRotationFunction),
-      special("rotation", 2, 2, typeRotationFunction),
+      special("inverse", 1, 1, typeInverse, {"R"}, true),
+      special("rotation", 2, 2, typeRotationAbout, {"axis", "angle"}),
       special("pre", 1, 1, typeEventOperator),
       special("edge", 1, 1, typeEventOperator),
       special("change", 1, 1, typeEventOperator),

@@ -42,12 +42,13 @@ constexpr std::array kBodyAttributes = {
     kinematic("position", Shape::Position),
     kinematic("angle", Shape::Scalar),
     AttributeSpec{.name = "inertia", .shape = Shape::Inertia, .may = kParameters, .unit = "kg.m2"},
-    AttributeSpec{.name = "orientation", .may = kConfiguration, .isRotation = true},
+    AttributeSpec{.name = "orientation", .base = Base::Rotation, .shape = Shape::Rotation, .may = kConfiguration, .isKinematic = true},
 };
 constexpr std::array kGravityAttributes = {
     AttributeSpec{.name = "acceleration", .shape = Shape::Acceleration, .may = {.time = true}, .unit = "m/s2"}};
-constexpr std::array kForceAttributes = {AttributeSpec{.name = "value", .shape = Shape::AnyVector, .may = kAnything},
-                                         kinematic("at", Shape::AnyVector)};
+constexpr std::array kForceAttributes = {
+    AttributeSpec{.name = "value", .shape = Shape::AnyVector, .may = kAnything},
+    AttributeSpec{.name = "at", .shape = Shape::AnyVector, .may = kConfiguration, .isKinematic = true, .mayBeRotation = true}};
 constexpr std::array kPotentialAttributes = {AttributeSpec{.name = "energy", .may = kNoVelocities, .unit = "J"}};
 constexpr std::array kConstraintAttributes = {
     kinematic("residual", Shape::AnyVector),
@@ -65,7 +66,7 @@ constexpr std::array kFrictionAttributes = {slip(), AttributeSpec{.name = "bound
 constexpr std::array kBodyResults = {ResultSpec{"kineticEnergy"}, ResultSpec{.name = "velocity", .shapeOf = "position"}};
 constexpr std::array kForceResults = {ResultSpec{"power"}};
 constexpr std::array kPotentialResults = {ResultSpec{"energy"}};
-constexpr std::array kConstraintResults = {ResultSpec{.name = "multiplier", .shapeOf = "residual"}};
+constexpr std::array kConstraintResults = {ResultSpec{.name = "multiplier", .shapeOf = "residual", .orShapeOf = "velocityResidual"}};
 constexpr std::array kContactResults = {ResultSpec{"gap"},
                                         ResultSpec{"normalForce"},
                                         ResultSpec{.name = "frictionForce", .shapeOf = "slip"},
@@ -130,6 +131,8 @@ flat::Base baseOf(PredefinedKind kind) {
     return Base::String;
   case PredefinedKind::Enumeration:
     return Base::Enumeration;
+  case PredefinedKind::Rotation:
+    return Base::Rotation;
   default:
     return Base::Real;
   }

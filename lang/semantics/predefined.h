@@ -32,6 +32,7 @@ enum class Shape : std::uint8_t {
   Acceleration,  // 2 or 3
   AnyVector,     // scalar or any vector
   Inertia,       // scalar or 3 x 3
+  Rotation,      // a Rotation
 };
 
 // What an attribute's value may depend on; parameters and constants always may.
@@ -48,15 +49,16 @@ struct AttributeSpec {
   bool isAffine = false;     // affine in the velocities
   bool hasDefault = false;
   double defaultValue = 0;
-  bool isRotation = false;  // takes an orientation
+  bool mayBeRotation = false;  // takes a Rotation as well
   std::string_view unit = {};
 };
 
 struct ResultSpec {
   std::string_view name;
   flat::Base base = flat::Base::Real;
-  // The attribute whose shape the result has; empty: scalar.
+  // The attribute whose shape the result has, or the other one if that is not given; empty: scalar.
   std::string_view shapeOf = {};
+  std::string_view orShapeOf = {};
 };
 
 struct PredefinedClass {

@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::array<std::string_view, 18> kPadded = {"",      " + ",  " - ",   "*",   "/",    "^",   " .* ", " ./ ", ".^",
                                                       " and ", " or ", " not ", " < ", " <= ", " > ", " >= ", " == ", " <> "};
-constexpr std::array<std::string_view, 5> kBases = {"Real", "Integer", "Boolean", "String", "enumeration"};
+constexpr std::array<std::string_view, 6> kBases = {"Real", "Integer", "Boolean", "String", "enumeration", "Rotation"};
 constexpr std::array<std::string_view, 7> kElements = {"body", "gravity", "force", "potential", "constraint", "contact", "friction"};
 
 // How tightly an expression binds; larger binds tighter.
@@ -33,6 +33,8 @@ int precedence(const Expr &expr) {
     return expr.op == Operator::Not ? 3 : 5;
   if (expr.kind == ExprKind::Literal && expr.type.dims.empty() && !expr.values.empty() && expr.values[0] < 0)
     return 5;
+  if (expr.kind == ExprKind::Call && (expr.function == Function::Rotate || expr.function == Function::RotationProduct))
+    return 6;
   if (expr.kind != ExprKind::Binary)
     return 9;
   switch (expr.op) {
@@ -96,6 +98,10 @@ public:
     case ExprKind::If:
       return fmt::format("if {} then {} else {}", expression(*expr.args[0]), expression(*expr.args[1]), expression(*expr.args[2]));
     case ExprKind::Call:
+      if (expr.function == Function::Rotate || expr.function == Function::RotationProduct)
+        return inside(*expr.args[0], precedence(expr)) + "*" + inside(*expr.args[1], precedence(expr) + 1);
+      if (expr.function == Function::Quaternion || expr.function == Function::AngularVelocity)
+        return expression(*expr.args[0]) + "." + std::string(nameOf(expr.function));
       return fmt::format("{}({})", nameOf(expr.function), list(expr.args));
     case ExprKind::Array:
       return "{" + list(expr.args) + "}";
@@ -112,7 +118,8 @@ public:
   std::string model() const {
     std::string text = "model " + model_.name + description(model_.description) + "\n";
     for (const Variable &variable : model_.variables)
-      text += "  " + declaration(variable) + ";\n";
+      if (!variable.isAngularVelocity)
+        text += "  " + declaration(variable) + ";\n";
     for (const Element &element : model_.elements)
       text += "  " + declaration(element) + ";\n";
     text += equations(true) + equations(false);
@@ -226,10 +233,13 @@ private:
       text += variable.causality == Causality::Input ? "input " : "output ";
     if (variable.isCoordinate)
       text += "coordinate ";
-    text += type(variable) + " " + variable.name + dimensions(variable.type.dims);
+    text += type(variable) + " " + variable.name + dimensions(semantics::visibleDims(variable.type));
     std::string modifications = modifiers(variable.attributes);
     if (const std::string der = modifiers(variable.derAttributes); !der.empty())
       modifications += std::string(modifications.empty() ? "" : ", ") + "der(" + der + ")";
+    if (variable.isCoordinate && variable.type.base == Base::Rotation)
+      if (const std::string w = modifiers((&variable + 1)->attributes); !w.empty())
+        modifications += std::string(modifications.empty() ? "" : ", ") + "w(" + w + ")";
     if (!modifications.empty())
       text += "(" + modifications + ")";
     if (variable.binding != nullptr)

@@ -146,7 +146,8 @@ private:
     }
     if (target.leaf->predefined->isElement())
       return elementPart(target, *chosen, part);
-    if (!isLast(part)) {
+    const bool isRotation = target.leaf->predefined->kind == PredefinedKind::Rotation;
+    if (!isLast(part) && !(isRotation && isRotationPart(part + 1))) {
       context_.diagnostics.report(diag::NoMembers, name(part + 1).span, name(part).text, target.leaf->predefined->name,
                                   name(part + 1).text);
       return nullptr;
@@ -163,7 +164,35 @@ private:
     variable.type = typeOf(target);
     variable.variability = variabilityOf(target);
     variable.span = span_;
+    if (!isLast(part))
+      return rotationPart(target, std::move(variable), *chosen, part + 1);
     return makeIndex(std::make_shared<const flat::Expr>(std::move(variable)), *chosen, span_);
+  }
+
+  [[nodiscard]] bool isRotationPart(std::size_t part) const { return isLast(part) && (name(part).text == "q" || name(part).text == "w"); }
+
+  // The quaternion `R.q` or the angular velocity `R.w` in the body's frame; that of a coordinate is a variable of its own.
+  ExprPtr rotationPart(const Component &target, flat::Expr &&rotation, const std::vector<flat::Selection> &chosen, std::size_t part) {
+    const bool isQuaternion = name(part).text == "q";
+    const bool isVelocity = !isQuaternion && target.clause->isCoordinate;
+    if (isVelocity) {
+      rotation.variable += 1;
+      rotation.type = {Base::Real, target.dimensions};
+      rotation.type.dims.push_back(3);
+    }
+    ExprPtr selected = makeIndex(std::make_shared<const flat::Expr>(std::move(rotation)), chosen, span_);
+    if (!isVelocity && visibleDims(selected->type).size() > 0) {
+      context_.diagnostics.report(diag::NotSupported, span_, "a part of an array of rotations");
+      return nullptr;
+    }
+    if (!isVelocity)
+      selected = makeCall(isQuaternion ? flat::Function::Quaternion : flat::Function::AngularVelocity, {Base::Real, {isQuaternion ? 4 : 3}},
+                          {selected}, span_);
+    const ast::ReferencePart &last = reference_.parts[part];
+    if (!last.hasSubscripts)
+      return selected;
+    const auto inner = typer_.selections(last.subscripts, selected->type.dims, span_);
+    return inner ? makeIndex(selected, *inner, span_) : nullptr;
   }
 
   void reportOutside(const Component &target, std::size_t part) {

@@ -331,7 +331,7 @@ ExprPtr Typer::typeSubscripted(const ast::Expr &expr) {
   if (array == nullptr)
     return nullptr;
   const ast::List<ast::Expr *> subscripts{expr.operands.data + 1, expr.operands.count - 1};
-  const auto chosen = selections(subscripts, array->type.dims, expr.span);
+  const auto chosen = selections(subscripts, visibleDims(array->type), expr.span);
   return chosen ? makeIndex(array, *chosen, expr.span) : nullptr;
 }
 

@@ -205,6 +205,7 @@ private:
     case Function::NoEvent:
       return units[0];
     case Function::Smooth:
+    case Function::Rotate:
       return units[1];
     case Function::Min:
     case Function::Max:

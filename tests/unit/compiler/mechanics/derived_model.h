@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -15,7 +16,7 @@ namespace tf::test {
 class Point {
 public:
   Point() = default;
-  // Values in [lower, upper] for everything that the system has; parameters keep their own values.
+  // Values in [lower, upper] for everything that the system has; quaternions have length 1, parameters their own values.
   Point(const HybridSystem &system, unsigned seed, double lower = -1, double upper = 1) {
     std::mt19937 generator(seed);
     std::uniform_real_distribution<double> number(lower, upper);
@@ -24,13 +25,20 @@ public:
         values_[{kind, static_cast<int>(k)}] = number(generator);
     };
     using enum ir::SymbolKind;
-    const auto nv = static_cast<std::size_t>(system.nv);
+    const auto nq = static_cast<std::size_t>(system.nq), nv = static_cast<std::size_t>(system.nv);
     for (const auto &[kind, count] :
-         {std::pair{Time, std::size_t{1}}, std::pair{Coordinate, nv}, std::pair{Velocity, nv}, std::pair{Acceleration, nv},
+         {std::pair{Time, std::size_t{1}}, std::pair{Coordinate, nq}, std::pair{Velocity, nv}, std::pair{Acceleration, nv},
           std::pair{State, static_cast<std::size_t>(system.nz)}, std::pair{StateDerivative, static_cast<std::size_t>(system.nz)},
           std::pair{Input, static_cast<std::size_t>(system.nu)}, std::pair{NormalForce, system.contacts.size()},
-          std::pair{TangentForce, system.tangents.size()}})
+          std::pair{TangentForce, system.tangents.size()}, std::pair{Multiplier, system.constraintRows.size()}})
       fill(kind, count);
+    for (const equations::RotationCoordinate &rotation : system.motion.rotations()) {
+      double square = 0;
+      for (int k = 0; k < 4; ++k)
+        square += std::pow(values_[{Coordinate, rotation.coordinate + k}], 2);
+      for (int k = 0; k < 4; ++k)
+        values_[{Coordinate, rotation.coordinate + k}] /= std::sqrt(square);
+    }
     for (std::size_t k = 0; k < system.switches.size(); ++k)
       values_[{StepVariable, static_cast<int>(k)}] = std::uniform_real_distribution<double>(0, 1)(generator);
     for (std::size_t k = 0; k < system.parameterValues.size(); ++k)
