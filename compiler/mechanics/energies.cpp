@@ -3,7 +3,7 @@
 //     d(T + V)/dt = power + (Jn v)·λn + (Jt v)·λt + (H v)·ν.
 //
 // Rates are w = J v + w_t. Forces F do the power F·J v on the system; what drives the explicit dependence on time does the rest:
-// (inertial force + weight)·w_t at bodies, and ∂V/∂t + ∂V/∂z z' in energies (that of inputs is left out: they change in steps).
+// (I w' − weight)·w_t at bodies, −m p·∂g/∂t in gravity, ∂E/∂t + ∂E/∂z z' in potential elements (inputs are left out: they change in steps).
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
@@ -28,8 +28,10 @@ public:
   void run() {
     for (const BodyEntry &body : d_.elements.bodies)
       addBody(body);
-    for (const PotentialEntry &entry : d_.elements.potentials)
-      addPotential(entry.energy);
+    for (const PotentialEntry &entry : d_.elements.potentials) {
+      potential_.push_back(entry.energy);
+      power_.push_back(explicitRate(entry.energy));
+    }
     for (const ForceEntry &force : d_.elements.forces) {
       std::vector<NodeId> rates = ratesOf(system_, force);
       const std::vector<NodeId> driven = atRest(graph_, rates);
@@ -47,8 +49,11 @@ private:
     const BodyRates rates = ratesOf(system_, body);
     kinetic_.push_back(kineticEnergyOf(system_, body));
     const std::vector<NodeId> gravity = gravityOn(d_, body);
-    for (std::size_t k = 0; k < body.position.size() && body.mass >= 0; ++k)
-      addPotential(graph_.neg(graph_.mul(body.mass, graph_.mul(gravity[k], body.position[k]))));
+    for (std::size_t k = 0; k < body.position.size() && body.mass >= 0; ++k) {
+      const NodeId moment = graph_.mul(body.mass, body.position[k]);
+      potential_.push_back(graph_.neg(graph_.mul(gravity[k], moment)));
+      power_.push_back(graph_.neg(graph_.mul(explicitRate(gravity[k]), moment)));
+    }
     for (const Inertial &one : inertials(d_, body)) {
       const std::vector<NodeId> driven = atRest(graph_, one.rates);
       if (std::ranges::all_of(driven, [&](NodeId node) { return graph_.isConstant(node, 0); }))
@@ -58,13 +63,13 @@ private:
     }
   }
 
-  void addPotential(NodeId energy) {
-    potential_.push_back(energy);
-    power_.push_back(ir::forwardDerivative(graph_, std::array{energy}, [&](Symbol symbol) {
+  // At rest, with time and states on their way.
+  NodeId explicitRate(NodeId node) {
+    return ir::forwardDerivative(graph_, std::array{node}, [&](Symbol symbol) {
       if (symbol.kind == SymbolKind::State)
         return system_.stateDerivatives[static_cast<std::size_t>(symbol.index)];
       return graph_.constant(symbol.kind == SymbolKind::Time ? 1 : 0);
-    })[0]);
+    })[0];
   }
 
   Derivation &d_;

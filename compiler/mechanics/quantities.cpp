@@ -114,6 +114,7 @@ private:
   void addTangentRows(const ElementEntry &entry, int kind, const char *result, int first, std::size_t count, const char *unit,
                       const char *description);
   void addConstraint(const ConstraintEntry &constraint, const flat::Element &element);
+  void addEnergies();
   void addSwitches();
   void addParameters();
   void addOutput(std::string name, NodeId node, std::string unit, std::string description, Span span);
@@ -313,6 +314,28 @@ void QuantityTable::addConstraint(const ConstraintEntry &constraint, const flat:
         constraint.rowFirst + k, "", "force of " + constraint.name + " along its residual", element.span);
 }
 
+// Of the system as a whole, where it moves masses: "energy.kinetic"…, unless the model has something of that name.
+void QuantityTable::addEnergies() {
+  if (system_.nv == 0)
+    return;
+  const auto isTaken = [&](const std::string &prefix) {
+    const auto is = [&](const std::string &name) {
+      return name.starts_with(prefix) && (name.size() == prefix.size() || name[prefix.size()] == '.' || name[prefix.size()] == '[');
+    };
+    return std::ranges::any_of(d_.model.variables, is, &flat::Variable::name) ||
+           std::ranges::any_of(d_.model.elements, is, &flat::Element::name);
+  };
+  std::string prefix = isTaken("energy") ? "energies" : "energy";
+  while (isTaken(prefix))
+    prefix += '_';
+  const auto one = [&](const char *name, int kind, const char *description) { add(prefix + name, kind, 0, "J", description); };
+  one(".kinetic", TF_KIND_KINETIC_ENERGY, "kinetic energy of all bodies");
+  one(".potential", TF_KIND_POTENTIAL_ENERGY, "potential energy of gravity and of all potential elements");
+  one(".frictionLoss", TF_KIND_FRICTION_LOSS, "energy dissipated by friction while time runs");
+  one(".impactLoss", TF_KIND_IMPACT_LOSS, "energy lost in impacts");
+  one(".work", TF_KIND_WORK, "work of inputs, applied forces, moving boundaries and time-dependent constraints");
+}
+
 void QuantityTable::addSwitches() {
   const std::string step = system_.switches.empty() ? "" : freeName({"alpha", "stepVariable"});
   for (std::size_t k = 0; k < system_.switches.size(); ++k)
@@ -342,6 +365,7 @@ bool QuantityTable::build() {
   addUnknowns();
   for (std::size_t k = 0; k < d_.model.elements.size(); ++k)
     addElement(d_.model.elements[k], static_cast<flat::ElementId>(k));
+  addEnergies();
   addSwitches();
   addParameters();
   for (auto &[alias, target] : aliases_) {

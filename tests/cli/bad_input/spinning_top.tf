@@ -1,4 +1,5 @@
 model SpinningTop
   coordinate Rotation R;
-  body top(orientation = R, inertia = identity(3));
+  body top(orientation = R, inertia = 0.2);
+  Real spin[4] = der(R);
 end SpinningTop;

@@ -49,6 +49,8 @@ public:
     dynamics();
     switches();
     contacts();
+    kinematicsDerivatives();
+    constraints();
     masks();
     return std::move(failures_);
   }
@@ -60,8 +62,9 @@ private:
   std::vector<int> switchingSizes() const { return {model_.nc, model_.nc, model_.nt, model_.ns}; }
   std::vector<int> termSizes() const { return {model_.nc * model_.nv, model_.nc, model_.nt * model_.nv, model_.nt, model_.nc, model_.nt}; }
   std::vector<int> derivativeSizes() const {
-    return {model_.nv * nx(), model_.nz * nx(), model_.nc * nx(), model_.nt * nx(), model_.nc * nx(), model_.nt * nx()};
+    return {model_.nv * nx(), model_.nz * nx(), model_.nc * nx(), model_.nt * nx(), model_.nc * nx(), model_.nt * nx(), model_.nh * nx()};
   }
+  std::vector<int> constraintSizes() const { return {model_.nh, model_.nh, model_.nh * model_.nv, model_.nh}; }
 
   // Five-point central difference of `values` by one entry of one argument.
   Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry, double h = usualStep) const {
@@ -108,6 +111,12 @@ private:
       for (std::size_t c = 0; c < static_cast<std::size_t>(model_.nt); ++c)
         result[i] -= terms[2][c * nv + i] * point.in[TF_IN_TANGENT][c];
     }
+    if (model_.nh == 0)
+      return result;
+    const Values jacobian = call(model_.constraint_terms, point, constraintSizes())[2];
+    for (std::size_t i = 0; i < nv; ++i)
+      for (std::size_t c = 0; c < static_cast<std::size_t>(model_.nh); ++c)
+        result[i] -= jacobian[c * nv + i] * point.in[TF_IN_MULTIPLIER][c];
     return result;
   }
 
@@ -165,7 +174,64 @@ private:
     compareAll("gap'", rows[1], alongMotion(0));
   }
 
-  Values alongMotion(std::size_t block) const {
+  void kinematicsDerivatives() {
+    if (model_.kinematics == nullptr)
+      return;
+    const Blocks found = call(model_.kinematics_derivatives, point_, {model_.nq * model_.nv, model_.nq * model_.nq});
+    for (std::size_t block = 0; block < 2; ++block) {
+      const auto columns = static_cast<std::size_t>(block == 0 ? model_.nv : model_.nq);
+      for (std::size_t j = 0; j < columns; ++j) {
+        const Values expected = difference([&](const EvaluationPoint &p) { return kinematics(p); }, block == 0 ? TF_IN_V : TF_IN_Q, j);
+        for (std::size_t row = 0; row < expected.size(); ++row)
+          compare(block == 0 ? "N" : "d(N v)/dq", found[block][row * columns + j], expected[row]);
+      }
+    }
+  }
+
+  // H A + bias.
+  Values constraintAccelerations(const EvaluationPoint &point) const {
+    const Blocks terms = call(model_.constraint_terms, point, constraintSizes());
+    Values result = terms[3];
+    for (std::size_t c = 0; c < result.size(); ++c)
+      for (std::size_t j = 0; j < static_cast<std::size_t>(model_.nv); ++j)
+        result[c] += terms[2][c * static_cast<std::size_t>(model_.nv) + j] * point.in[TF_IN_A][j];
+    return result;
+  }
+
+  void constraints() {
+    if (model_.nh == 0)
+      return;
+    const Blocks terms = call(model_.constraint_terms, point_, constraintSizes());
+    const auto nv = static_cast<std::size_t>(model_.nv);
+    for (std::size_t j = 0; j < nv; ++j) {
+      const Values expected =
+          difference([&](const EvaluationPoint &p) { return call(model_.constraint_terms, p, constraintSizes())[1]; }, TF_IN_V, j);
+      for (std::size_t row = 0; row < expected.size(); ++row)
+        compare("H", terms[2][row * nv + j], expected[row]);
+    }
+    const Values rate = alongMotion(model_.constraint_terms, constraintSizes(), 0);
+    for (int i = 0; i < model_.nk; ++i)
+      for (int row = model_.constraints[i].row_first; row < model_.constraints[i].row_first + model_.constraints[i].row_count; ++row) {
+        const auto k = static_cast<std::size_t>(row);
+        compare("constraint rate", terms[1][k], model_.constraints[i].holonomic != 0 ? rate[k] : terms[0][k]);
+      }
+    compareAll("constraint acceleration", constraintAccelerations(point_), alongMotion(model_.constraint_terms, constraintSizes(), 1));
+    const Values derivatives = call(model_.dynamics_derivatives, point_, derivativeSizes())[6];
+    compareColumns("d(H A + bias)/dx", derivatives, [this](const EvaluationPoint &p) { return constraintAccelerations(p); });
+    for (std::size_t part = 0; part < 2; ++part) {
+      const double untouched = 12345;
+      const Blocks half =
+          call(model_.constraint_terms, point_, constraintSizes(), {static_cast<std::uint8_t>(part == 0), part == 1}, untouched);
+      for (std::size_t block = 0; block < 4; ++block)
+        for (std::size_t i = 0; i < half[block].size(); ++i)
+          compare("masked constraint_terms", half[block][i], block / 2 == part ? terms[block][i] : untouched);
+    }
+  }
+
+  Values alongMotion(std::size_t block) const { return alongMotion(model_.switching, switchingSizes(), block); }
+
+  // The derivative of one of a function's outputs along q' = N v, v' = A, t' = 1.
+  Values alongMotion(tf_function function, const std::vector<int> &sizes, std::size_t block) const {
     const Values qRate = kinematics(point_);
     EvaluationPoint origin = point_;
     Check moving(model_, origin, tolerance_);
@@ -176,7 +242,7 @@ private:
         moved.in[TF_IN_Q][i] += step * qRate[i];
       for (std::size_t i = 0; i < moved.in[TF_IN_V].size(); ++i)
         moved.in[TF_IN_V][i] += step * origin.in[TF_IN_A][i];
-      return call(model_.switching, moved, switchingSizes())[block];
+      return call(function, moved, sizes)[block];
     };
     double speed = 1;  // the coordinates move by about the usual step
     for (const double rate : qRate)
@@ -218,7 +284,8 @@ private:
       const Blocks masked = call(model_.dynamics_derivatives, unloaded, derivativeSizes(), mask, untouched);
       const Blocks full = call(model_.dynamics_derivatives, unloaded, derivativeSizes());
       compareAll("masked d residual/dx", masked[0], full[0]);
-      compareMasked("dynamics_derivatives", {masked.begin() + 2, masked.end()}, {full.begin() + 2, full.end()}, mask, nx(), untouched);
+      compareMasked("dynamics_derivatives", {masked.begin() + 2, masked.begin() + 6}, {full.begin() + 2, full.begin() + 6}, mask, nx(),
+                    untouched);
     }
   }
 

@@ -20,7 +20,8 @@ EvaluationPoint randomPoint(const tf_model &model, std::vector<double> parameter
 
 // dynamics_derivatives, switch_gradients, step_derivatives, the contacts' Jacobians (as derivatives of gap rates and slips by v), gap rates
 // (as time derivatives of gaps along q' and t) and the accelerations' biases, each against differences, and masks: masked rows are
-// untouched. One line per entry that differs by more than tolerance * (1 + |value|); empty if all is well.
+// untouched; kinematics and constraints likewise. One line per entry that differs by more than tolerance * (1 + |value|); empty if all is
+// well.
 std::vector<std::string> checkDerivatives(const tf_model &model, const EvaluationPoint &point, double tolerance);
 
 }  // namespace tf::runtime::test

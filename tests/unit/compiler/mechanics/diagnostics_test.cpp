@@ -47,7 +47,8 @@ INSTANTIATE_TEST_SUITE_P(Derivation, PageOfKind,
                                            &eq::ConditionOnForce, &eq::UnsupportedResult, &eq::StateOnForce, &me::MasslessCoordinate,
                                            &me::SingularMass, &me::NotSmooth, &me::SlipNotAffine, &me::ForbiddenDependency,
                                            &me::GravityDimension, &me::ImmovableGap, &me::ImmovableSlip, &me::ImmovableForce,
-                                           &me::VaryingLaw, &me::UncheckedAssertion),
+                                           &me::VaryingLaw, &me::UncheckedAssertion, &me::ImmovableConstraint, &me::ConstraintNotAffine,
+                                           &me::InertiaNotSymmetric, &me::InertiaNotPositive, &me::ZeroRotation),
                          [](const auto &kind) { return std::string(kind.param->name); });
 
 TEST(DerivationDiagnostics, AllKindsButThoseTestedByHandHaveExamples) {

@@ -48,9 +48,47 @@ TEST(Quantities, OrderAndNames) {
     for (const char *result : {"gap", "normalForce", "frictionForce", "slip", "closed", "sticking", "alpha[1]", "alpha[2]", "alpha[3]",
                                "theta[1]", "theta[2]", "impulse"})
       expected.push_back(std::string(wall) + "." + result);
-  for (const char *name : {"dry.force", "dry.slip", "dry.alpha", "dry.sticking", "alpha[1]", "timeSpeed", "m", "two", "twice"})
+  for (const char *name : {"dry.force", "dry.slip", "dry.alpha", "dry.sticking", "energy.kinetic", "energy.potential", "energy.frictionLoss",
+                           "energy.impactLoss", "energy.work", "alpha[1]", "timeSpeed", "m", "two", "twice"})
     expected.emplace_back(name);
   EXPECT_EQ(namesOf(model), expected);
+}
+
+TEST(Quantities, EnergiesMakeWayForTheModelsOwnNames) {
+  DerivedModel own("model M\n  coordinate Real x;\n  body b(mass = 1, position = x);\n  Real energy = x;\nend M;\n");
+  TF_ASSERT_DERIVED(own);
+  EXPECT_NE(own.quantity("energies.work"), nullptr);
+  EXPECT_EQ(own.quantity("energy.work"), nullptr);
+  DerivedModel none("model M\n  Real z(start = 1);\nequation\n  der(z) = -z;\nend M;\n");
+  TF_ASSERT_DERIVED(none);
+  EXPECT_EQ(none.quantity("energy.kinetic"), nullptr);
+}
+
+TEST(Quantities, MultipliersOfConstraints) {
+  DerivedModel model(R"(
+model M
+  coordinate Real x, y;
+  body b(mass = 1, position = {x, y});
+  constraint wire(residual = y - x);
+  constraint edge[2](velocityResidual = {der(x), der(y)});
+  constraint joint(residual = {x, y});
+  Real force = wire.multiplier;
+end M;
+)");
+  TF_ASSERT_DERIVED(model);
+  int index = 0;
+  for (const char *name : {"wire.multiplier", "edge[1].multiplier", "edge[2].multiplier", "joint.multiplier[1]", "joint.multiplier[2]"}) {
+    ASSERT_NE(model.quantity(name), nullptr) << name;
+    EXPECT_EQ(model.quantity(name)->kind, TF_KIND_MULTIPLIER);
+    EXPECT_EQ(model.quantity(name)->index, index++);
+  }
+  ASSERT_EQ(model->constraints.size(), 4U);
+  EXPECT_TRUE(model->constraints[0].isHolonomic);
+  EXPECT_FALSE(model->constraints[2].isHolonomic);
+  EXPECT_EQ(model->constraints[2].name, "edge[2]");
+  EXPECT_EQ(model->constraints[3].rowFirst, 3);
+  ASSERT_EQ(model->aliases.size(), 1U);
+  EXPECT_EQ(model->quantities[static_cast<std::size_t>(model->aliases[0].quantity)].name, "wire.multiplier");
 }
 
 TEST(Quantities, KindsIndicesUnitsAndFlags) {
