@@ -66,17 +66,23 @@ private:
   }
   std::vector<int> constraintSizes() const { return {model_.nh, model_.nh, model_.nh * model_.nv, model_.nh}; }
 
-  // Five-point central difference of `values` by one entry of one argument.
-  Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry, double h = usualStep) const {
+  // Seven-point central difference of `values` by one entry of one argument.
+  Values difference(const std::function<Values(const EvaluationPoint &)> &values, int argument, std::size_t entry,
+                    double h = usualStep) const {
     const auto at = [&](double step) {
       EvaluationPoint moved = point_;
       moved.in[static_cast<std::size_t>(argument)][entry] += step;
       return values(moved);
     };
-    const Values a = at(-2 * h), b = at(-h), c = at(h), d = at(2 * h);
-    Values result(a.size());
-    for (std::size_t i = 0; i < a.size(); ++i)
-      result[i] = (a[i] - 8 * b[i] + 8 * c[i] - d[i]) / (12 * h);
+    static constexpr std::array<double, 3> kWeights = {45, -9, 1};
+    Values result;
+    for (std::size_t k = 0; k < kWeights.size(); ++k) {
+      const double step = static_cast<double>(k + 1) * h;
+      const Values above = at(step), below = at(-step);
+      result.resize(above.size(), 0.0);
+      for (std::size_t i = 0; i < above.size(); ++i)
+        result[i] += kWeights[k] * (above[i] - below[i]) / (60 * h);
+    }
     return result;
   }
 
