@@ -9,6 +9,14 @@ void ContactRows::resize(int normals, int tangents) {
   friction.assign(tangents, 0.0);
   bound.assign(tangents, 0.0);
   slipSign.assign(tangents, 0);
+  partner.assign(tangents, -1);
+}
+
+bool ContactRows::hasDisks() const {
+  for (int j = 0; j < tangentCount; ++j)
+    if (isDisk(j))
+      return true;
+  return false;
 }
 
 void ContactProblem::resize(int normals, int tangents) {
@@ -17,9 +25,24 @@ void ContactProblem::resize(int normals, int tangents) {
   bias.assign(count(), 0.0);
 }
 
+void ContactProblem::turnPair(int j, double c, double s) {
+  const int a = normalCount + j, b = a + 1;
+  const auto turn = [c, s](double &x, double &y) {
+    const double along = c * x + s * y;
+    y = c * y - s * x;
+    x = along;
+  };
+  for (int r = 0; r < count(); ++r)
+    turn(delassus(r, a), delassus(r, b));
+  for (int r = 0; r < count(); ++r)
+    turn(delassus(a, r), delassus(b, r));
+  turn(bias[a], bias[b]);
+}
+
 void ContactMode::resize(int normals, int tangents) {
   closed.assign(normals, 0);
   slip.assign(tangents, 0);
+  direction.assign(tangents, 0.0);
 }
 
 }  // namespace tf::runtime

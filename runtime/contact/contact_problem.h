@@ -1,4 +1,4 @@
-// The frictional contact problem of planar contacts (one slip direction each) in contact space, at acceleration level.
+// The frictional contact problem in contact space, at acceleration level: contacts with slips of one or two components.
 //
 // Rows: n normal rows, then m tangential rows. Forces λ = (λ_n, λ_t), row accelerations w = D λ + φ with D = J W Jᵀ symmetric positive
 // semidefinite (theory.md section 1). The conditions:
@@ -6,6 +6,9 @@
 //   tangential row j:  limit_j = μ_j λ_n,owner (of a contact) or bound_j (owner −1: a friction element)
 //     slipSign_j ≠ 0:  λ_t = −slipSign·limit
 //     slipSign_j = 0:  |λ_t| ≤ limit with w_t = 0, or λ_t = −limit·sign(w_t)
+//   pair of rows (partner_j ≥ 0), the slip of two components:
+//     slipSign_j ≠ 0 of both: the first row lies along the slip (slipSign 1), the second across it carries no force (friction, bound 0)
+//     slipSign_j = 0 of both: ‖λ_t‖ ≤ limit with w_t = 0, or λ_t = −limit·w_t/‖w_t‖ (theory.md section 4)
 // Units are the model's own; all tolerances are relative to the scale of the problem in the metric of D.
 #ifndef TF_RUNTIME_CONTACT_CONTACT_PROBLEM_H
 #define TF_RUNTIME_CONTACT_CONTACT_PROBLEM_H
@@ -25,10 +28,14 @@ struct ContactRows {
   std::vector<double> friction;  // m: μ ≥ 0 where owner ≥ 0
   std::vector<double> bound;     // m: ≥ 0 where owner = −1
   std::vector<int> slipSign;     // m: sign of the slip velocity: −1, 0, 1
+  std::vector<int> partner;      // m: the other row of a pair (the next or the previous one), or −1
 
   [[nodiscard]] int count() const { return normalCount + tangentCount; }
   [[nodiscard]] double limit(int j, const double *forces) const { return owner[j] >= 0 ? friction[j] * forces[owner[j]] : bound[j]; }
-  // New rows have owner −1, no friction, bound 0 and no slip.
+  // Row j begins a pair whose slip is zero, so that the direction of its friction is open.
+  [[nodiscard]] bool isDisk(int j) const { return partner[j] > j && slipSign[j] == 0; }
+  [[nodiscard]] bool hasDisks() const;
+  // New rows have owner −1, no friction, bound 0, no slip and no partner.
   void resize(int normals, int tangents);
 };
 
@@ -38,19 +45,24 @@ struct ContactProblem : ContactRows {
 
   // D and φ are zero afterwards.
   void resize(int normals, int tangents);
+  // Turns the frame of the pair that begins with tangential row j: the new first row is c·first + s·second, c² + s² = 1.
+  void turnPair(int j, double c, double s);
 };
 
 // Which inequalities hold as equations. A tangential row of an open contact carries no force; its entry is ignored.
 struct ContactMode {
-  std::vector<std::uint8_t> closed;  // n: 1 closed (w_n = 0), 0 open (λ_n = 0)
-  std::vector<std::int8_t> slip;     // m: 0 stick (w_t = 0), ±1 slip in that direction (λ_t = ∓limit)
+  std::vector<std::uint8_t> closed;    // n: 1 closed (w_n = 0), 0 open (λ_n = 0)
+  std::vector<std::int8_t> slip;       // m: 0 stick (w_t = 0), ±1 slip in that direction (λ_t = ∓limit); both rows of a pair have the same
+  std::vector<double> direction = {};  // m: of slipping pairs, the unit vector of the slip in their frame; else undefined
 
   void resize(int normals, int tangents);  // new rows are open and stick
-  bool operator==(const ContactMode &) const = default;
+  bool operator==(const ContactMode &other) const { return closed == other.closed && slip == other.slip; }
 };
 
 // A side of a force's admissible set. Normal row: λ_n ≥ 0 (side 0). Tangential row: limit − λ_t ≥ 0 (side 1), limit + λ_t ≥ 0 (side −1).
+// First row of a pair: limit − ‖λ_t‖ ≥ 0 (side 2).
 struct ForceLimit {
+  static constexpr int disk = 2;
   int row = 0;  // 0 .. n + m − 1
   int side = 0;
   bool operator==(const ForceLimit &) const = default;

@@ -1,5 +1,6 @@
 #include "runtime/contact/contact_solver.h"
 
+#include "runtime/contact/cone_friction.h"
 #include "runtime/contact/force_set.h"
 #include "runtime/contact/next_derivative.h"
 #include "runtime/contact/planar_friction.h"
@@ -40,13 +41,27 @@ struct ContactSolver::Workspace {
   Settings settings;
   Statistics statistics;
   PlanarFrictionSolver solver;
+  ConeFrictionSolver cone;
   PlanarFrictionMode previous;
+  ContactProblem aligned;  // in which pairs of rows that begin to slip lie along their slip
+  ContactRates alignedRates;
+  std::vector<double> metric;
   ForceSet set;
   NextDerivative next;
   ContactSolution solution, resolved;
-  double zero = 0;  // what counts as zero, in the metric of D
+  double zero = 0;     // what counts as zero, in the metric of D
+  bool conic = false;  // the solution is that of `cone`
 
-  void pose(const ContactProblem &problem);
+  void pose(const ContactProblem &problem, PlanarFrictionProblem &p) const;
+  void begin(const std::vector<double> &force, const std::vector<double> &acceleration, double violation, double scale);
+  void solvePlanar(const ContactProblem &problem, const ContactMode *preferred);
+  void solveConic(const ContactProblem &problem, const ContactMode *preferred, const double *guess);
+  void finish(const ContactProblem &problem, const ContactMode *preferred);
+  void labelPair(const ContactProblem &problem, const ContactMode *preferred, int j);
+  void align(const ContactProblem &problem);
+  void turnForces(double sense);
+  void alignDegenerate(const ContactProblem &problem, const ContactRates &rates);
+  void readDegenerate(const ContactProblem &problem);
   const PlanarFrictionMode *translate(const ContactMode *mode);
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
@@ -56,9 +71,8 @@ struct ContactSolver::Workspace {
   void count(const PlanarFrictionSolution &found);
 };
 
-void ContactSolver::Workspace::pose(const ContactProblem &problem) {
+void ContactSolver::Workspace::pose(const ContactProblem &problem, PlanarFrictionProblem &p) const {
   const int n = problem.normalCount, m = problem.tangentCount;
-  PlanarFrictionProblem &p = solver.problem();
   p.resize(n, m);
   std::copy_n(problem.delassus.data(), (n + m) * (n + m), p.delassus.data());
   std::copy_n(problem.bias.begin(), n + m, p.bias.begin());
@@ -91,7 +105,7 @@ int ContactSolver::Workspace::findForced(const ContactProblem &problem) {
         continue;
       if (fallback < 0)
         fallback = i;
-      pose(problem);
+      pose(problem, solver.problem());
       solver.problem().normalKind[i] = NormalKind::Prescribed;
       solver.problem().upper[i] = 0;
       const PlanarFrictionSolution &others = solver.solve(nullptr, settings.feasibility);
@@ -104,18 +118,60 @@ int ContactSolver::Workspace::findForced(const ContactProblem &problem) {
 // The largest mode that the accelerations allow: every contact with w_n = 0 is closed, every row without slip and slip acceleration sticks.
 void ContactSolver::Workspace::labelMode(const ContactProblem &problem, const ContactMode *preferred) {
   const int n = problem.normalCount;
-  const std::vector<double> &metric = solver.metric();
   ContactMode &mode = solution.mode;
   mode.resize(n, problem.tangentCount);
   for (int i = 0; i < n; ++i)
     mode.closed[i] = solution.forces[i] * metric[i] > zero || solution.accelerations[i] <= zero * metric[i] ? 1 : 0;
   for (int j = 0; j < problem.tangentCount; ++j) {
+    if (problem.isDisk(j)) {
+      labelPair(problem, preferred, j++);
+      continue;
+    }
     const double acceleration = solution.accelerations[n + j] / metric[n + j];
     const int start = acceleration > zero ? 1 : acceleration < -zero ? -1 : 0;
     int slip = problem.slipSign[j] != 0 ? problem.slipSign[j] : start;
     if (slip == 0 && withoutFriction(problem, j))
       slip = preferred != nullptr && preferred->slip[j] != 0 ? preferred->slip[j] : 1;
     mode.slip[j] = static_cast<std::int8_t>(slip);
+  }
+}
+
+// A slip of two components that is zero starts along its acceleration.
+void ContactSolver::Workspace::labelPair(const ContactProblem &problem, const ContactMode *preferred, int j) {
+  const int row = problem.normalCount + j;
+  ContactMode &mode = solution.mode;
+  const double first = solution.accelerations[row], second = solution.accelerations[row + 1], length = std::hypot(first, second);
+  const bool starts = length > zero * metric[row];
+  mode.slip[j] = mode.slip[j + 1] = starts || withoutFriction(problem, j) ? 1 : 0;
+  const bool same = !starts && preferred != nullptr && preferred->slip[j] != 0;
+  mode.direction[j] = starts ? first / length : same ? preferred->direction[j] : 1;
+  mode.direction[j + 1] = starts ? second / length : same ? preferred->direction[j + 1] : 0;
+}
+
+// The problem with the pairs that begin to slip in their direction, as those that slip already are.
+void ContactSolver::Workspace::align(const ContactProblem &problem) {
+  aligned = problem;
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    if (!problem.isDisk(j) || solution.mode.slip[j] == 0)
+      continue;
+    aligned.turnPair(j, solution.mode.direction[j], solution.mode.direction[j + 1]);
+    aligned.slipSign[j] = aligned.slipSign[j + 1] = 1;
+    aligned.friction[j + 1] = aligned.bound[j + 1] = 0;
+  }
+}
+
+// Forces and accelerations from the problem's frames to the aligned ones (sense 1) or back (−1).
+void ContactSolver::Workspace::turnForces(double sense) {
+  for (int j = 0; j + 1 < aligned.tangentCount; ++j) {
+    if (aligned.partner[j] <= j || aligned.slipSign[j] == 0 || (solution.mode.direction[j] == 0 && solution.mode.direction[j + 1] == 0))
+      continue;
+    const double c = solution.mode.direction[j], s = sense * solution.mode.direction[j + 1];
+    for (std::vector<double> *values : {&solution.forces, &solution.accelerations}) {
+      double &first = (*values)[aligned.normalCount + j], &second = (*values)[aligned.normalCount + j + 1];
+      const double along = c * first + s * second;
+      second = c * second - s * first;
+      first = along;
+    }
   }
 }
 
@@ -131,12 +187,23 @@ void ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
     return;
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
-  const double violation = solver.certificate(set.forces(), set.accelerations());
-  if (violation > std::max(10 * settings.degeneracy, solution.violation))
-    return;
-  solution.violation = violation;
+  const std::vector<double> forces = solution.forces, accelerations = solution.accelerations;
   solution.forces = set.forces();
   solution.accelerations = set.accelerations();
+  double violation = 0;
+  if (conic) {
+    turnForces(-1);
+    violation = cone.certificate(solution.forces, solution.accelerations);
+    turnForces(1);
+  } else {
+    violation = solver.certificate(solution.forces, solution.accelerations);
+  }
+  if (violation > std::max(10 * settings.degeneracy, solution.violation)) {
+    solution.forces = forces;
+    solution.accelerations = accelerations;
+    return;
+  }
+  solution.violation = violation;
   for (std::size_t k = 0; k < set.limits().size(); ++k)
     if (set.saturated(static_cast<int>(k)) >= 0)
       solution.saturated.push_back(set.limits()[k]);
@@ -159,12 +226,14 @@ void ContactSolver::Workspace::markDegenerate(const ContactProblem &problem, con
 // Limits that all admissible forces of the mode lie on.
 void ContactSolver::Workspace::listDegenerate(const ContactProblem &problem, const ContactMode *preferred) {
   solution.degenerate.clear();
-  const std::vector<double> &metric = solver.metric();
   for (std::size_t k = 0; k < set.limits().size(); ++k) {
     const ForceLimit limit = set.limits()[k];
     const int j = limit.row - problem.normalCount;
-    const double slack =
-        limit.side == 0 ? solution.forces[limit.row] : problem.limit(j, solution.forces.data()) - limit.side * solution.forces[limit.row];
+    double slack = solution.forces[limit.row];
+    if (limit.side == ForceLimit::disk)
+      slack = problem.limit(j, solution.forces.data()) - std::hypot(slack, solution.forces[limit.row + 1]);
+    else if (limit.side != 0)
+      slack = problem.limit(j, solution.forces.data()) - limit.side * slack;
     if (slack * metric[limit.row] > zero)
       continue;
     if (!solution.redundant || !set.canLeave(problem, static_cast<int>(k), 1e-7))
@@ -189,20 +258,29 @@ ContactSolver::~ContactSolver() = default;
 ContactSolver::ContactSolver(ContactSolver &&) noexcept = default;
 ContactSolver &ContactSolver::operator=(ContactSolver &&) noexcept = default;
 
-const ContactSolution &ContactSolver::solve(const ContactProblem &problem, const ContactMode *previous) {
-  Workspace &w = *work_;
-  ContactSolution &solution = w.solution;
-  w.pose(problem);
-  const PlanarFrictionSolution &found = w.solver.solve(w.translate(previous), w.settings.feasibility);
-  w.count(found);
-  w.zero = w.settings.degeneracy * found.scale;
-  solution.forces = found.force;
-  solution.accelerations = found.acceleration;
-  solution.violation = found.violation;
+void ContactSolver::Workspace::begin(const std::vector<double> &force, const std::vector<double> &acceleration, double violation,
+                                     double scale) {
+  zero = settings.degeneracy * scale;
+  solution.forces = force;
+  solution.accelerations = acceleration;
+  solution.violation = violation;
   solution.redundant = false;
   solution.forced = -1;
   solution.saturated.clear();
   solution.degenerate.clear();
+}
+
+void ContactSolver::Workspace::finish(const ContactProblem &problem, const ContactMode *preferred) {
+  settleForces(problem);
+  listDegenerate(problem, preferred);
+}
+
+void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const ContactMode *preferred) {
+  pose(problem, solver.problem());
+  const PlanarFrictionSolution &found = solver.solve(translate(preferred), settings.feasibility);
+  count(found);
+  metric = solver.metric();
+  begin(found.force, found.acceleration, found.violation, found.scale);
   switch (found.status) {
   case PlanarFrictionSolution::Status::None:
     solution.status = ContactStatus::Inconsistent;
@@ -217,14 +295,103 @@ const ContactSolution &ContactSolver::solve(const ContactProblem &problem, const
     solution.status = ContactStatus::Solved;
     break;
   }
-  w.labelMode(problem, previous);
+  labelMode(problem, preferred);
   if (!hasSolution(found)) {
-    solution.forced = w.findForced(problem);
-    return solution;
+    solution.forced = findForced(problem);
+    return;
   }
-  w.settleForces(problem);
-  w.listDegenerate(problem, previous);
-  return solution;
+  conic = false;
+  finish(problem, preferred);
+}
+
+// Without a solution, that of the box |λ_t1|, |λ_t2| ≤ limit tells whether none exists.
+void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const ContactMode *preferred, const double *guess) {
+  pose(problem, cone.problem());
+  cone.problem().partner.assign(problem.tangentCount, -1);
+  for (int j = 0; j < problem.tangentCount; ++j)
+    if (problem.partner[j] >= 0 && problem.slipSign[j] == 0)
+      cone.problem().partner[j] = problem.partner[j];
+  const ConeFrictionSolution &found = cone.solve(guess, settings.feasibility);
+  ++statistics.solves;
+  ++statistics.conic;
+  statistics.newtonIterations += cone.iterations();
+  metric = cone.metric();
+  begin(found.force, found.acceleration, found.violation, found.scale);
+  labelMode(problem, preferred);
+  if (!found.solved) {
+    pose(problem, solver.problem());
+    const bool none = solver.solve(nullptr, settings.feasibility).status == PlanarFrictionSolution::Status::None;
+    solution.status = none ? ContactStatus::Inconsistent : ContactStatus::Unsettled;
+    solution.forced = findForced(problem);
+    return;
+  }
+  statistics.worstViolation = std::max(statistics.worstViolation, found.violation);
+  solution.status = ContactStatus::Solved;
+  conic = true;
+  align(problem);
+  turnForces(1);
+  finish(aligned, preferred);
+  turnForces(-1);
+}
+
+// For the next derivative: pairs on the border of their disk in the direction of their force, in which alone they can leave stick.
+void ContactSolver::Workspace::alignDegenerate(const ContactProblem &problem, const ContactRates &rates) {
+  const int n = problem.normalCount;
+  solution.forces = resolved.forces;
+  solution.accelerations = resolved.accelerations;
+  solution.mode = resolved.mode;
+  for (const int row : resolved.degenerate) {
+    const int j = row - n;
+    if (j < 0 || !problem.isDisk(j))
+      continue;
+    const double first = resolved.forces[row], second = resolved.forces[row + 1], length = std::hypot(first, second);
+    if (length * metric[row] <= zero)
+      continue;
+    solution.mode.slip[j] = solution.mode.slip[j + 1] = 1;
+    solution.mode.direction[j] = first / length;
+    solution.mode.direction[j + 1] = second / length;
+  }
+  align(problem);
+  turnForces(1);
+  alignedRates = rates;
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    if (problem.partner[j] < j && aligned.slipSign[j] != 0 && problem.partner[j] >= 0)
+      alignedRates.frictionRate[j] = alignedRates.boundRate[j] = 0;
+    if (!problem.isDisk(j) || aligned.slipSign[j] == 0)
+      continue;
+    double &first = alignedRates.accelerationRate[n + j], &second = alignedRates.accelerationRate[n + j + 1];
+    const double c = solution.mode.direction[j], s = solution.mode.direction[j + 1], along = c * first + s * second;
+    second = c * second - s * first;
+    first = along;
+    if (resolved.mode.slip[j] != 0)
+      continue;
+    aligned.slipSign[j] = aligned.slipSign[j + 1] = 0;
+    aligned.partner[j] = aligned.partner[j + 1] = -1;
+    aligned.friction[j + 1] = problem.friction[j + 1];
+    aligned.bound[j + 1] = problem.bound[j + 1];
+    alignedRates.frictionRate[j + 1] = rates.frictionRate[j + 1];
+    alignedRates.boundRate[j + 1] = rates.boundRate[j + 1];
+  }
+}
+
+// The mode that was decided in the aligned frames: a slip that starts has the direction against its force.
+void ContactSolver::Workspace::readDegenerate(const ContactProblem &problem) {
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    if (!problem.isDisk(j) || aligned.partner[j] >= 0)
+      continue;
+    const int slip = resolved.mode.slip[j];
+    resolved.mode.direction[j] = slip * solution.mode.direction[j];
+    resolved.mode.direction[j + 1] = slip * solution.mode.direction[j + 1];
+    resolved.mode.slip[j] = resolved.mode.slip[j + 1] = slip != 0 ? 1 : 0;
+  }
+}
+
+const ContactSolution &ContactSolver::solve(const ContactProblem &problem, const ContactMode *previous, const double *guess) {
+  if (problem.hasDisks())
+    work_->solveConic(problem, previous, guess);
+  else
+    work_->solvePlanar(problem, previous);
+  return work_->solution;
 }
 
 const ContactSolution &ContactSolver::resolve(const ContactProblem &problem, const ContactSolution &solution, const ContactRates &rates,
@@ -232,7 +399,16 @@ const ContactSolution &ContactSolver::resolve(const ContactProblem &problem, con
   Workspace &w = *work_;
   w.resolved = solution;
   ++w.statistics.resolved;
-  w.next.decide(problem, rates, previous, w.settings, w.resolved);
+  if (!problem.hasDisks()) {
+    w.next.decide(problem, rates, previous, w.settings, w.resolved);
+    return w.resolved;
+  }
+  const std::vector<double> forces = w.resolved.forces;
+  w.alignDegenerate(problem, rates);
+  w.resolved.forces = w.solution.forces;
+  w.next.decide(w.aligned, w.alignedRates, previous, w.settings, w.resolved);
+  w.resolved.forces = forces;
+  w.readDegenerate(problem);
   return w.resolved;
 }
 

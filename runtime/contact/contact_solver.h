@@ -27,6 +27,7 @@ public:
   };
   struct Statistics {
     long solves = 0, previousModeKept = 0, enumerated = 0, activeSet = 0, pivoted = 0, pivots = 0, redundant = 0, resolved = 0;
+    long conic = 0, newtonIterations = 0;  // problems with slips of two components that are zero
     double worstViolation = 0;
   };
 
@@ -37,13 +38,14 @@ public:
   ContactSolver &operator=(ContactSolver &&) noexcept;
 
   // Solves the problem. `previous` (may be null; its shape must be the problem's) is preferred where several modes are consistent with the
-  // same accelerations. The reference is valid until the next call.
-  const ContactSolution &solve(const ContactProblem &problem, const ContactMode *previous = nullptr);
+  // same accelerations. `guess` (n + m, may be null): forces nearby, a start for slips of two components that are zero; several solutions
+  // with different accelerations are not searched for with such slips. The reference is valid until the next call.
+  const ContactSolution &solve(const ContactProblem &problem, const ContactMode *previous = nullptr, const double *guess = nullptr);
 
   // Decides the degenerate rows of `solution` (of `solve` on the same problem) by the first-order problem in λ̇, ẇ = D λ̇ + accelerationRate:
-  // rows with λ_n = 0 = w_n, and rows with zero slip, w_t = 0 and |λ_t| = limit. The mode returned holds right after the instant. Rows that
-  // this derivative leaves open too stay in `degenerate` and keep the previous mode, else the lowest index closes first. Forces and
-  // accelerations are unchanged.
+  // rows with λ_n = 0 = w_n, and rows with zero slip, w_t = 0 and |λ_t| = limit (of a pair the first row, ‖λ_t‖ = limit). The mode returned
+  // holds right after the instant. Rows that this derivative leaves open too stay in `degenerate` and keep the previous mode, else the
+  // lowest index closes first. Forces and accelerations are unchanged.
   const ContactSolution &resolve(const ContactProblem &problem, const ContactSolution &solution, const ContactRates &rates,
                                  const ContactMode *previous = nullptr);
   // λ̇ of the last `resolve`: n + m.

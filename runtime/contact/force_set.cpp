@@ -29,6 +29,7 @@ void ForceSet::setMode(const ContactProblem &problem, const ContactMode &mode) {
   slip_.resize(m);
   fixed_.assign(n, 0.0);
   limits_.clear();
+  conic_ = false;
   for (int i = 0; i < n; ++i) {
     active_[i] = mode.closed[i];
     if (mode.closed[i])
@@ -39,7 +40,11 @@ void ForceSet::setMode(const ContactProblem &problem, const ContactMode &mode) {
     const bool loaded = owner < 0 || mode.closed[owner];
     slip_[j] = loaded ? mode.slip[j] : std::int8_t{0};
     active_[n + j] = loaded && mode.slip[j] == 0 ? 1 : 0;
-    if (active_[n + j]) {
+    if (active_[n + j] && problem.partner[j] >= 0) {
+      conic_ = true;
+      if (problem.partner[j] > j)
+        limits_.push_back({n + j, ForceLimit::disk});
+    } else if (active_[n + j]) {
       limits_.push_back({n + j, 1});
       limits_.push_back({n + j, -1});
     }
@@ -100,6 +105,17 @@ void ForceSet::leastNormRates(const ContactProblem &problem, const double *accel
   rates.bias = accelerationRate;
   rates.offset = limitRate;
   equations_.rightHandSide(rates, fixed_.data(), unknown_.data());
+  ignored_.resize(forces_.size());
+  if (conic_) {
+    Eigen::VectorXd point;
+    for (int r = 0; r < k; ++r)
+      unknown_[r] /= length_[r];
+    cone_.solve(Eigen::Map<const Eigen::VectorXd>(unknown_.data(), k), point);
+    for (int c = 0; c < k; ++c)
+      unknown_[c] = point[c] / weight_[c];
+    equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
+    return;
+  }
   boundRate_.resize(length_.size());
   for (int r = 0; r < k; ++r)
     boundRate_[r] = unknown_[r] / length_[r];
@@ -108,14 +124,12 @@ void ForceSet::leastNormRates(const ContactProblem &problem, const double *accel
   polyhedron_.pointOf(boundRate_.data(), unknown_.data());
   for (int c = 0; c < k; ++c)
     unknown_[c] /= weight_[c];
-  ignored_.resize(forces_.size());
   equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
 }
 
-// Equations k: A_k x = rhs_k in y = weight·x, divided by the length of the row. ‖λ‖² = Σ weight² x² + constant: a normal force takes its
-// friction along.
-void ForceSet::loadEquations(LeastNorm &polyhedron) {
-  const int k = activeCount(), n = rows_.normalCount;
+// Equations k: A_k x = rhs_k in y = weight·x. ‖λ‖² = Σ weight² x² + constant: a normal force takes its friction along.
+void ForceSet::weighEquations() {
+  const int k = activeCount();
   equations_.assemble(rows_, matrix_);
   equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
   weight_.assign(k, 1.0);
@@ -128,13 +142,20 @@ void ForceSet::loadEquations(LeastNorm &polyhedron) {
   }
   for (double &w : weight_)
     w = std::sqrt(w);
+  for (int c = 0; c < k; ++c)
+    for (int r = 0; r < k; ++r)
+      matrix_(r, c) /= weight_[c];
+}
+
+// Divided by the length of the row.
+void ForceSet::loadEquations(LeastNorm &polyhedron) {
+  const int k = activeCount(), n = rows_.normalCount;
+  weighEquations();
   forceScale_ = 0;
   for (int r = 0; r < k; ++r) {
     double squares = 0;
-    for (int c = 0; c < k; ++c) {
-      matrix_(r, c) /= weight_[c];
+    for (int c = 0; c < k; ++c)
       squares += matrix_(r, c) * matrix_(r, c);
-    }
     const double length = squares > 0 ? std::sqrt(squares) : 1.0;
     double *normal = polyhedron.normal(r);
     for (int c = 0; c < k; ++c)
@@ -185,8 +206,7 @@ void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
   loadLimits(polyhedron);
 }
 
-void ForceSet::expandPoint() {
-  const std::vector<double> &point = polyhedron_.point();
+void ForceSet::expandPoint(const double *point) {
   for (int k = 0; k < activeCount(); ++k)
     unknown_[k] = point[k] / weight_[k];
   equations_.expand(rows_, unknown_.data(), forces_.data(), accelerations_.data());
@@ -194,24 +214,109 @@ void ForceSet::expandPoint() {
 
 LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double tolerance) {
   view(problem);
+  if (conic_) {
+    loadConic();
+    if (!cone_.prepare(redundantResidual))
+      return LeastNorm::Status::Contradictory;
+    forceScale_ = cone_.scale();
+    inside_ = cone_.smallestSlack(cone_.freePoint()) >= -tolerance * forceScale_;
+    if (inside_)
+      expandPoint(cone_.freePoint().data());
+    else
+      confineConic();
+    return inside_ || commonSlack_ >= -tolerance * forceScale_ ? LeastNorm::Status::Solved : LeastNorm::Status::Empty;
+  }
   loadPolyhedron(polyhedron_);
   const LeastNorm::Status status = polyhedron_.solve(tolerance * forceScale_, redundantResidual * forceScale_);
-  expandPoint();
+  expandPoint(polyhedron_.point().data());
   return status;
+}
+
+void ForceSet::loadConic() {
+  const int k = activeCount();
+  weighEquations();
+  cone_.resize(k, static_cast<int>(limits_.size()));
+  length_.resize(k);
+  for (int r = 0; r < k; ++r) {
+    for (int c = 0; c < k; ++c)
+      cone_.matrix()(r, c) = matrix_(r, c);
+    cone_.rhs()[r] = unknown_[r];
+    length_[r] = cone_.matrix().row(r).norm() > 0 ? cone_.matrix().row(r).norm() : 1.0;
+  }
+  for (std::size_t l = 0; l < limits_.size(); ++l) {
+    ConicForces::Limit &limit = cone_.limit(static_cast<int>(l));
+    limit = {};
+    const ForceLimit &side = limits_[l];
+    const int own = equations_.position(side.row);
+    if (side.side == 0) {
+      limit.apex = own;
+      limit.factor = 1 / weight_[own];
+      continue;
+    }
+    const int j = side.row - rows_.normalCount, owner = rows_.owner[j];
+    limit.first = own;
+    limit.second = side.side == ForceLimit::disk ? equations_.position(side.row + 1) : -1;
+    limit.offset = offset_[j];
+    if (owner >= 0) {
+      limit.apex = equations_.position(owner);
+      limit.factor = rows_.friction[j] / weight_[limit.apex];
+    }
+  }
+}
+
+// Where the set has hardly any width its innermost point is as good as the least-norm one.
+void ForceSet::confineConic() {
+  constexpr double width = 1e-9;
+  commonSlack_ = cone_.largestSlack();
+  expandPoint(commonSlack_ > width * forceScale_ ? cone_.leastNorm().data() : cone_.innermost().data());
+}
+
+LeastNorm::Status ForceSet::confine(const ContactProblem &problem, double tolerance) {
+  view(problem);
+  inside_ = false;
+  confineConic();
+  return commonSlack_ > tolerance * forceScale_ ? LeastNorm::Status::Solved : LeastNorm::Status::Empty;
+}
+
+int ForceSet::conicSaturated(int k) const {
+  const ForceLimit &side = limits_[k];
+  const int j = side.row - rows_.normalCount;
+  double force = forces_[side.row], limit = 0;
+  if (side.side != 0) {
+    limit = rows_.offset[j] + (rows_.owner[j] >= 0 ? rows_.friction[j] * forces_[rows_.owner[j]] : 0.0);
+    force = limit - (side.side == ForceLimit::disk ? std::hypot(force, forces_[side.row + 1]) : std::abs(force));
+  }
+  return force <= 1e-9 * forceScale_ ? k : -1;
 }
 
 bool ForceSet::solveActive(const ContactProblem &problem) {
   view(problem);
+  if (conic_) {
+    loadConic();
+    if (!cone_.prepare(redundantResidual))
+      return false;
+    forceScale_ = cone_.scale();
+    if (inside_)
+      expandPoint(cone_.freePoint().data());
+    else
+      confineConic();
+    return true;
+  }
   loadPolyhedron(polyhedron_);
   const bool independent = polyhedron_.solveActive();
   if (independent)
-    expandPoint();
+    expandPoint(polyhedron_.point().data());
   return independent;
 }
 
 // Projects a point far along the limit's normal onto the set: far enough, that is where the limit's slack is largest.
 bool ForceSet::canLeave(const ContactProblem &problem, int k, double tolerance) {
   view(problem);
+  if (conic_) {
+    if (inside_)
+      cone_.largestSlack();
+    return cone_.slack(k, cone_.innermost()) > tolerance * forceScale_;
+  }
   loadPolyhedron(far_);
   const int constraint = activeCount() + k;
   const double distance = 1e4 * forceScale_;
@@ -222,6 +327,8 @@ bool ForceSet::canLeave(const ContactProblem &problem, int k, double tolerance) 
 }
 
 int ForceSet::saturated(int k) const {
+  if (conic_)
+    return conicSaturated(k);
   const std::vector<int> &active = polyhedron_.active();
   const auto found = std::find(active.begin(), active.end(), activeCount() + k);
   return found == active.end() ? -1 : static_cast<int>(found - active.begin());
@@ -231,6 +338,8 @@ double ForceSet::slack(const ContactProblem &problem, int k) const {
   const ForceLimit &side = limits_[k];
   if (side.side == 0)
     return forces_[side.row];
+  if (side.side == ForceLimit::disk)
+    return problem.limit(side.row - problem.normalCount, forces_.data()) - std::hypot(forces_[side.row], forces_[side.row + 1]);
   return problem.limit(side.row - problem.normalCount, forces_.data()) - side.side * forces_[side.row];
 }
 

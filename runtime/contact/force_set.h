@@ -1,8 +1,10 @@
-// All forces of one contact mode, a convex polyhedron: A x = rhs on the active rows, λ_n ≥ 0 and |λ_t| ≤ limit. More than one point where
-// contacts are redundant (D singular on the active rows); its representative is the least-norm force (theory.md section 6).
+// All forces of one contact mode, a convex set: A x = rhs on the active rows, λ_n ≥ 0 and ‖λ_t‖ ≤ limit. More than one point where
+// contacts are redundant (D singular on the active rows); its representative is the least-norm force (theory.md section 6). It is a
+// polyhedron unless slips with two components stick (isConic).
 #ifndef TF_RUNTIME_CONTACT_FORCE_SET_H
 #define TF_RUNTIME_CONTACT_FORCE_SET_H
 
+#include "runtime/contact/conic_forces.h"
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/least_norm.h"
 #include "runtime/contact/mode_equations.h"
@@ -38,7 +40,15 @@ public:
 
   // limits()[k] is saturated by the representative: index among the active constraints, or −1.
   [[nodiscard]] int saturated(int k) const;
-  // Of a saturated limit, in the unit of forces.
+  [[nodiscard]] bool isConic() const { return conic_; }
+  // A conic set's representative is the least-norm solution of the equations alone while that is within all limits.
+  [[nodiscard]] bool isInside() const { return inside_; }
+  // Such a solution has left a limit: from now on the representative obeys them all. Empty: there is none.
+  LeastNorm::Status confine(const ContactProblem &problem, double tolerance);
+  // The largest slack that all limits of a conic set can have at once, while it is not inside: the mode ends where it falls to zero.
+  [[nodiscard]] double commonSlack() const { return commonSlack_; }
+
+  // Of a saturated limit of a polyhedron, in the unit of forces.
   [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
   // Slack of limits()[k] at forces().
   [[nodiscard]] double slack(const ContactProblem &problem, int k) const;
@@ -52,9 +62,13 @@ public:
 private:
   void view(const ContactProblem &problem);
   void loadPolyhedron(LeastNorm &polyhedron);
+  void weighEquations();
   void loadEquations(LeastNorm &polyhedron);
   void loadLimits(LeastNorm &polyhedron);
-  void expandPoint();
+  void expandPoint(const double *point);
+  void loadConic();
+  void confineConic();
+  [[nodiscard]] int conicSaturated(int k) const;
 
   ContactRowData rows_;
   ModeEquations equations_;
@@ -67,6 +81,9 @@ private:
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
   DenseMatrix matrix_;
   double forceScale_ = 0;
+  bool conic_ = false, inside_ = true;
+  double commonSlack_ = 0;
+  ConicForces cone_;
 };
 
 }  // namespace tf::runtime

@@ -24,6 +24,15 @@ struct ModeForces::Workspace {
 
   void listMargins() {
     margins.clear();
+    const bool conic = redundant && set.isConic();
+    if (conic && !set.isInside())
+      margins.push_back({{-1, 0}, false});
+    for (std::size_t k = 0; conic && set.isInside() && k < set.limits().size(); ++k)
+      margins.push_back({set.limits()[k], false});
+    if (conic) {
+      values.resize(margins.size());
+      return;
+    }
     for (std::size_t k = 0; k < set.limits().size(); ++k)
       margins.push_back({set.limits()[k], redundant && set.saturated(static_cast<int>(k)) >= 0});
     values.resize(margins.size());
@@ -32,7 +41,9 @@ struct ModeForces::Workspace {
     problem = &at;
     for (std::size_t k = 0; k < margins.size(); ++k) {
       const int limit = static_cast<int>(k);
-      values[k] = margins[k].multiplier ? set.multiplier(set.saturated(limit)) : set.slack(at, limit);
+      values[k] = margins[k].limit.row < 0 ? set.commonSlack()
+                  : margins[k].multiplier  ? set.multiplier(set.saturated(limit))
+                                           : set.slack(at, limit);
     }
   }
 };
@@ -74,7 +85,10 @@ MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;
   if (!w.redundant)
     return MarginOutcome::ModeEnds;
-  if (w.margins[margin].multiplier)
+  if (w.set.isConic()) {
+    if (!w.set.isInside() || w.set.confine(*w.problem, feasibility) != LeastNorm::Status::Solved)
+      return MarginOutcome::ModeEnds;
+  } else if (w.margins[margin].multiplier)
     w.set.release(margin);
   else if (w.set.activate(margin) == LeastNorm::Status::Empty)
     return MarginOutcome::ModeEnds;

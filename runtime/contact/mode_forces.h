@@ -13,7 +13,7 @@ namespace tf::runtime {
 
 // An inequality that holds in the mode; it ends, or its representative changes, where the value falls to zero.
 struct ModeMargin {
-  ForceLimit limit;
+  ForceLimit limit;         // row −1: all of them, the value is their largest common slack
   bool multiplier = false;  // the limit is saturated: the value is its multiplier, and zero means that the representative leaves it
 };
 

@@ -27,7 +27,7 @@ double magnitudeOf(const ContactProblem &problem) {
 
 void NextDerivative::pose(const ContactProblem &problem, const ContactRates &rates, double degeneracy, const ContactSolution &solution) {
   const int n = problem.normalCount, m = problem.tangentCount;
-  PlanarFrictionProblem &p = solver_.problem();
+  ConeFrictionProblem &p = cone_.problem();
   p.resize(n, m);
   std::copy_n(problem.delassus.data(), (n + m) * (n + m), p.delassus.data());
   std::copy_n(rates.accelerationRate.begin(), n + m, p.bias.begin());
@@ -49,7 +49,7 @@ void NextDerivative::pose(const ContactProblem &problem, const ContactRates &rat
 
 void NextDerivative::poseTangent(const ContactProblem &problem, const ContactRates &rates, const ContactSolution &solution,
                                  double zeroForce, int j) {
-  PlanarFrictionProblem &p = solver_.problem();
+  ConeFrictionProblem &p = cone_.problem();
   const int n = problem.normalCount, owner = problem.owner[j];
   p.owner[j] = owner;
   p.friction[j] = owner >= 0 ? problem.friction[j] : 0.0;
@@ -63,6 +63,14 @@ void NextDerivative::poseTangent(const ContactProblem &problem, const ContactRat
   }
   const int slip = problem.slipSign[j] != 0 ? problem.slipSign[j] : solution.mode.slip[j];
   const double force = solution.forces[n + j];
+  // Off the border of their disk both rows of a pair keep their equations; it has no border yet where the limit is zero.
+  const bool paired = problem.partner[j] >= 0 && problem.slipSign[j] == 0;
+  if (paired && degenerate_[n + std::min(j, problem.partner[j])]) {
+    p.tangentKind[j] = TangentKind::TwoSided;
+    p.offset[j] = std::max(p.offset[j], 0.0);
+    p.partner[j] = problem.partner[j];
+    return;
+  }
   if (problem.slipSign[j] != 0 || (!degenerate_[n + j] && slip != 0)) {
     p.tangentKind[j] = TangentKind::Slip;
     p.sign[j] = static_cast<std::int8_t>(slip);
@@ -80,7 +88,7 @@ void NextDerivative::poseTangent(const ContactProblem &problem, const ContactRat
 // Of redundant rows that keep w = 0, a maximal independent subset (pivoted Cholesky factorisation of D) is enough: the accelerations of
 // the others follow, and their forces' rates are free, here zero.
 void NextDerivative::dropDependent() {
-  PlanarFrictionProblem &p = solver_.problem();
+  ConeFrictionProblem &p = cone_.problem();
   const int n = p.normalCount;
   bilateral_.clear();
   for (int r = 0; r < n + p.tangentCount; ++r)
@@ -124,41 +132,71 @@ void NextDerivative::dropDependent() {
 }
 
 // True: decided. Redundant rows with the rate 0 stay in the mode whatever part of the load this solution gives them.
-bool NextDerivative::labelNormal(int i, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const {
-  const double metric = solver_.metric()[i];
-  const bool opens = found.acceleration[i] / metric > zero, closes = found.force[i] * metric > zero;
-  solution.mode.closed[i] = opens ? 0 : closes || redundant_ || found.mode.normal[i] == NormalState::Active ? 1 : 0;
+bool NextDerivative::labelNormal(int i, double zero, ContactSolution &solution) const {
+  const bool opens = found_.acceleration[i] / metric_[i] > zero, closes = found_.force[i] * metric_[i] > zero;
+  solution.mode.closed[i] = opens ? 0 : closes || redundant_ || found_.mode.normal[i] == NormalState::Active ? 1 : 0;
   return opens || closes || redundant_;
 }
 
-bool NextDerivative::labelTangent(int n, int j, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const {
-  const PlanarFrictionProblem &p = solver_.problem();
-  const double metric = solver_.metric()[n + j];
-  const double acceleration = found.acceleration[n + j] / metric;
+bool NextDerivative::labelTangent(int n, int j, double zero, ContactSolution &solution) const {
+  const ConeFrictionProblem &p = cone_.problem();
+  const double metric = metric_[n + j];
+  const double acceleration = found_.acceleration[n + j] / metric;
   const int owner = p.owner[j];
-  const double limit = p.offset[j] + (owner >= 0 ? p.friction[j] * found.force[owner] : 0.0);
-  const double side = p.tangentKind[j] == TangentKind::OneSided ? p.sign[j] : found.force[n + j] > 0 ? 1 : -1;
-  const bool sticks = (limit - side * found.force[n + j]) * metric > zero;
+  const double limit = p.offset[j] + (owner >= 0 ? p.friction[j] * found_.force[owner] : 0.0);
+  const double side = p.tangentKind[j] == TangentKind::OneSided ? p.sign[j] : found_.force[n + j] > 0 ? 1 : -1;
+  const bool sticks = (limit - side * found_.force[n + j]) * metric > zero;
   if (std::abs(acceleration) > zero) {
     solution.mode.slip[j] = static_cast<std::int8_t>(acceleration > 0 ? 1 : -1);
     return true;
   }
-  solution.mode.slip[j] = sticks || redundant_ ? std::int8_t{0} : found.mode.slip[j];
+  solution.mode.slip[j] = sticks || redundant_ ? std::int8_t{0} : found_.mode.slip[j];
   return sticks || redundant_ || p.tangentKind[j] == TangentKind::None;
 }
 
-void NextDerivative::label(const ContactProblem &problem, double degeneracy, const PlanarFrictionSolution &found,
-                           ContactSolution &solution) const {
+bool NextDerivative::labelPair(int n, int j, double zero, ContactSolution &solution) const {
+  const double first = found_.acceleration[n + j], second = found_.acceleration[n + j + 1], length = std::hypot(first, second);
+  const bool slips = length > zero * metric_[n + j];
+  solution.mode.slip[j] = solution.mode.slip[j + 1] = slips ? 1 : 0;
+  if (slips) {
+    solution.mode.direction[j] = first / length;
+    solution.mode.direction[j + 1] = second / length;
+  }
+  return true;
+}
+
+void NextDerivative::label(const ContactProblem &problem, double degeneracy, ContactSolution &solution) const {
   const int n = problem.normalCount;
-  const double zero = degeneracy * found.scale;
+  const double zero = degeneracy * found_.scale;
   std::size_t kept = 0;
   for (const int row : solution.degenerate) {
-    const bool decided = row < n ? labelNormal(row, zero, found, solution) : labelTangent(n, row - n, zero, found, solution);
-    const bool inactive = row >= n && problem.owner[row - n] >= 0 && !solution.mode.closed[problem.owner[row - n]];
+    const int j = row - n;
+    const bool decided = j < 0                            ? labelNormal(row, zero, solution)
+                         : cone_.problem().partner[j] > j ? labelPair(n, j, zero, solution)
+                                                          : labelTangent(n, j, zero, solution);
+    const bool inactive = j >= 0 && problem.owner[j] >= 0 && !solution.mode.closed[problem.owner[j]];
     if (!decided && !inactive)
       solution.degenerate[kept++] = row;
   }
   solution.degenerate.resize(kept);
+}
+
+bool NextDerivative::solvePlanar(const PlanarFrictionMode *preferred, double feasibility) {
+  solver_.problem() = cone_.problem();
+  found_ = solver_.solve(preferred, feasibility);
+  metric_ = solver_.metric();
+  return found_.status == PlanarFrictionSolution::Status::Solved || found_.status == PlanarFrictionSolution::Status::Several;
+}
+
+bool NextDerivative::solveConic(double feasibility) {
+  const ConeFrictionSolution &conic = cone_.solve(nullptr, feasibility);
+  metric_ = cone_.metric();
+  found_.force = conic.force;
+  found_.acceleration = conic.acceleration;
+  found_.scale = conic.scale;
+  found_.mode.normal.assign(cone_.problem().normalCount, NormalState::Active);
+  found_.mode.slip.assign(cone_.problem().tangentCount, 0);
+  return conic.solved;
 }
 
 void NextDerivative::decide(const ContactProblem &problem, const ContactRates &rates, const ContactMode *previous,
@@ -171,14 +209,15 @@ void NextDerivative::decide(const ContactProblem &problem, const ContactRates &r
     previous_.normal.resize(previous->closed.size());
     for (std::size_t i = 0; i < previous->closed.size(); ++i)
       previous_.normal[i] =
-          previous->closed[i] && solver_.problem().normalKind[i] != NormalKind::Prescribed ? NormalState::Active : NormalState::Off;
+          previous->closed[i] && cone_.problem().normalKind[i] != NormalKind::Prescribed ? NormalState::Active : NormalState::Off;
     preferred = &previous_;
   }
-  const PlanarFrictionSolution &found = solver_.solve(preferred, settings.feasibility);
-  forceRates_ = found.force;
-  if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled)
-    return;
-  label(problem, settings.degeneracy, found, solution);
+  const std::vector<int> &partner = cone_.problem().partner;
+  const bool paired = std::any_of(partner.begin(), partner.end(), [](int other) { return other >= 0; });
+  const bool solved = paired ? solveConic(settings.feasibility) : solvePlanar(preferred, settings.feasibility);
+  forceRates_ = found_.force;
+  if (solved)
+    label(problem, settings.degeneracy, solution);
 }
 
 }  // namespace tf::runtime

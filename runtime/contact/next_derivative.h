@@ -3,6 +3,7 @@
 #ifndef TF_RUNTIME_CONTACT_NEXT_DERIVATIVE_H
 #define TF_RUNTIME_CONTACT_NEXT_DERIVATIVE_H
 
+#include "runtime/contact/cone_friction.h"
 #include "runtime/contact/contact_solver.h"
 #include "runtime/contact/planar_friction.h"
 
@@ -13,6 +14,7 @@ namespace tf::runtime {
 
 class NextDerivative {
 public:
+  // Pairs of rows that leave stick must lie along their force (ContactSolver turns them), but for those without any limit yet.
   // Decides `solution.degenerate` and sets the mode of these rows; the list keeps those that this derivative leaves open too, which take
   // the previous mode (`previous` may be null), else the lowest index closes. No row is decided where the first-order problem has no
   // solution.
@@ -24,11 +26,17 @@ private:
   void pose(const ContactProblem &problem, const ContactRates &rates, double degeneracy, const ContactSolution &solution);
   void poseTangent(const ContactProblem &problem, const ContactRates &rates, const ContactSolution &solution, double zeroForce, int j);
   void dropDependent();
-  void label(const ContactProblem &problem, double degeneracy, const PlanarFrictionSolution &found, ContactSolution &solution) const;
-  [[nodiscard]] bool labelNormal(int i, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const;
-  [[nodiscard]] bool labelTangent(int n, int j, double zero, const PlanarFrictionSolution &found, ContactSolution &solution) const;
+  bool solvePlanar(const PlanarFrictionMode *preferred, double feasibility);
+  bool solveConic(double feasibility);
+  void label(const ContactProblem &problem, double degeneracy, ContactSolution &solution) const;
+  [[nodiscard]] bool labelNormal(int i, double zero, ContactSolution &solution) const;
+  [[nodiscard]] bool labelTangent(int n, int j, double zero, ContactSolution &solution) const;
+  [[nodiscard]] bool labelPair(int n, int j, double zero, ContactSolution &solution) const;
 
   PlanarFrictionSolver solver_;
+  ConeFrictionSolver cone_;  // its problem is the one that is posed; `solver_` takes over where it has no pairs
+  PlanarFrictionSolution found_;
+  std::vector<double> metric_;
   PlanarFrictionMode previous_;
   std::vector<std::uint8_t> degenerate_;  // rows
   bool redundant_ = false;

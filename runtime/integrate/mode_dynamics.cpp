@@ -23,9 +23,13 @@ bool allFinite(const std::vector<double> &values) { return allFinite(values.data
 }  // namespace
 
 ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
-    : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
-      change_(evaluation.model().nv), constraintChange_(evaluation.model().nh), plus_(evaluation.stateSize()),
-      minus_(evaluation.stateSize()), shifted_(evaluation.stateSize()) {}
+    : at_(evaluation), isPaired_(evaluation.model().nt), mask_(evaluation.model().nc + evaluation.model().nf),
+      slidingMask_(evaluation.model().ns), change_(evaluation.model().nv), constraintChange_(evaluation.model().nh),
+      plus_(evaluation.stateSize()), minus_(evaluation.stateSize()), shifted_(evaluation.stateSize()) {
+  const std::vector<int> pair = pairsOfTangents(evaluation.model());
+  for (std::size_t j = 0; j < pair.size(); ++j)
+    isPaired_[j] = pair[j] >= 0;
+}
 
 bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
   const tf_model &model = at_.model();
@@ -48,6 +52,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
     contactMode_.slip[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
     problem_.slipSign[j] = contactMode_.slip[j];
   }
+  chooseDirections(time, state);
   rowChange_.assign(rows_.count(), 0.0);
   forceChange_ = cgX_ = cgR_ = cgP_ = cgQ_ = rowChange_;
   correctedRows_.assign(rows_.count(), 0);
@@ -95,6 +100,10 @@ bool ModeDynamics::frictionIsNegative() const {
 bool ModeDynamics::prepare(double time, const double *state) {
   ++evaluations_;
   at_.setPoint(time, state);
+  if (!pairs_.empty()) {
+    at_.switching(ModelEvaluation::Slips);
+    alignFrames();
+  }
   if (!at_.dynamics())
     return fail(allFinite(at_.massMatrix) && allFinite(at_.constraintJacobian) ? EvaluationFailure::SingularMass
                                                                                : EvaluationFailure::NotFinite);
@@ -210,8 +219,7 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
     const auto forces = forces_.forces();
     for (int i = 0; i < normals; ++i)
       at_.normalForce[rows_.contacts()[i]] = closedForce_[i] = std::max(forces[i], 0.0);
-    for (std::size_t j = 0; j < rows_.tangents().size(); ++j)
-      at_.tangentForce[rows_.tangents()[j]] = forces[normals + j];
+    rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
   }
   timeSpeed_ = normals > 0 ? tf::runtime::timeSpeed(closedForce_, closedRate_) : 1;
   at_.kinematics(rate);
@@ -278,6 +286,7 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
   solveMultipliers();
   at_.dynamicsDerivatives(mask_.data());
   at_.kinematicsDerivatives();
+  differenceSlips(time, state);
   const int normals = rows_.normalCount();
   std::vector<double> forceChange(model.nv), constraintChange(model.nh), biasChange(rows_.count()), limitChange(rows_.tangents().size()),
       column(model.nv);
@@ -287,8 +296,14 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
     for (int i = 0; i < model.nh; ++i)
       constraintChange[i] = at_.constraintByState[i * nx + k];
     for (int i = 0; i < rows_.count(); ++i)
-      biasChange[i] =
-          i < normals ? at_.normalByState[rows_.contacts()[i] * nx + k] : at_.tangentByState[rows_.tangents()[i - normals] * nx + k];
+      biasChange[i] = i < normals ? at_.normalByState[rows_.contacts()[i] * nx + k]
+                                  : rows_.tangentValue(at_.tangentByState.data() + k, nx, i - normals);
+    for (std::size_t p = 0; p < pairs_.size() && k < model.nq + model.nv; ++p) {
+      const int across = normals + pairs_[p].row + 1;
+      const double change = forces_.forces()[across - 1] * turning(p, k);
+      for (int i = 0; i < model.nv; ++i)
+        forceChange[i] += rows_.jacobian(across)[i] * change;
+    }
     for (std::size_t j = 0; j < limitChange.size(); ++j) {
       const int owner = problem_.owner[j];
       limitChange[j] = owner >= 0 ? at_.frictionByState[rows_.contacts()[owner] * nx + k] * closedForce_[owner]
@@ -323,14 +338,29 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   std::vector<double> jerk(model.nv);
   for (int i = 0; i < model.nv; ++i)
     jerk[i] = -along(at_.residualByState, i);
+  // Friction turns with the slip: ds/dt = (across acceleration) / ‖v_t‖ times the direction across.
+  for (const SlipPair &pair : pairs_) {
+    const int across = rows_.normalCount() + pair.row + 1;
+    const double speed = std::hypot(at_.slip[pair.modelRow], at_.slip[pair.modelRow + 1]);
+    if (speed <= 10 * slipRounding_)
+      continue;
+    const double acceleration =
+        rows_.product(across, at_.acceleration.data()) + rows_.tangentValue(at_.tangentBias.data(), 1, pair.row + 1);
+    for (int i = 0; i < model.nv; ++i)
+      jerk[i] += rows_.jacobian(across)[i] * forces_.forces()[across - 1] * acceleration / speed;
+  }
   std::vector<double> constraintChange(model.nh);
   for (int i = 0; i < model.nh; ++i)
     constraintChange[i] = along(at_.constraintByState, i);
   at_.mobility.accelerate(jerk.data(), constraintChange.data(), jerk.data());
   const int normals = rows.normalCount();
+  std::vector<double> modelRate(model.nt);
+  for (int row : rows.tangents())
+    modelRate[row] = along(at_.tangentByState, row);
+  const auto tangentRate = [&](int j) { return rows.tangentValue(modelRate.data(), 1, j); };
   for (int i = 0; i < rows.count(); ++i)
-    accelerationRate[i] = rows.product(i, jerk.data()) + (i < normals ? along(at_.normalByState, rows.contacts()[i])
-                                                                      : along(at_.tangentByState, rows.tangents()[i - normals]));
+    accelerationRate[i] =
+        rows.product(i, jerk.data()) + (i < normals ? along(at_.normalByState, rows.contacts()[i]) : tangentRate(i - normals));
   const std::vector<int> owner = contactsOfTangents(model);
   for (std::size_t j = 0; j < rows.tangents().size(); ++j) {
     const int row = rows.tangents()[j];
@@ -383,8 +413,10 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
   }
   for (int j = 0; j < model.nt; ++j)
-    if (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative)
+    if (!isPaired_[j] && (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative))
       guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
+  for (std::size_t k = 0; k < pairs_.size(); ++k)
+    guards_.push_back({GuardKind::SlipAlong, static_cast<int>(k), 1, 1});
   for (int j = 0; j < model.ns; ++j) {
     if (mode_.switches[j] == Switch::Sliding) {
       guards_.push_back({GuardKind::StepLow, j, 1, 1});
@@ -403,6 +435,8 @@ double ModeDynamics::readGuard(const Guard &guard) const {
     return forces_.marginValues()[guard.index];
   case GuardKind::Slip:
     return guard.sign * at_.slip[guard.index];
+  case GuardKind::SlipAlong:
+    return along(pairs_[guard.index]);
   case GuardKind::Condition:
     return guard.sign * at_.condition[guard.index];
   case GuardKind::StepLow:
@@ -417,7 +451,7 @@ double ModeDynamics::guardValue(int guard) {
   const Guard &g = guards_[guard];
   if (g.kind == GuardKind::Gap)
     at_.switching(ModelEvaluation::Gaps);
-  else if (g.kind == GuardKind::Slip)
+  else if (g.kind == GuardKind::Slip || g.kind == GuardKind::SlipAlong)
     at_.switching(ModelEvaluation::Slips);
   else if (g.kind == GuardKind::Condition)
     at_.switching(ModelEvaluation::Conditions);
@@ -531,7 +565,7 @@ void ModeDynamics::projectCoordinates(double *state) {
   }
 }
 
-void ModeDynamics::projectVelocities(double *velocities) {
+void ModeDynamics::projectVelocities(double *velocities, int stoppedRow) {
   const tf_model &model = at_.model();
   std::fill(change_.begin(), change_.end(), 0.0);
   if (model.nh > 0) {
@@ -544,8 +578,9 @@ void ModeDynamics::projectVelocities(double *velocities) {
   if (rows > 0)
     at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
   for (int i = 0; i < rows; ++i) {
-    correctedRows_[i] = i < normals || contactMode_.slip[i - normals] == 0;
-    const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : at_.slip[rows_.tangents()[i - normals]];
+    const int j = i - normals;
+    correctedRows_[i] = i < normals || contactMode_.slip[j] == 0 || (stoppedRow >= 0 && (j == stoppedRow || j == stoppedRow + 1));
+    const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : rows_.tangentValue(at_.slip.data(), 1, j);
     cgR_[i] = correctedRows_[i] ? -rate - rows_.product(i, change_.data()) : 0;
   }
   correct(change_.data());
@@ -553,14 +588,14 @@ void ModeDynamics::projectVelocities(double *velocities) {
     velocities[i] += change_[i];
 }
 
-double ModeDynamics::project(double *state, const double *scale) {
+double ModeDynamics::project(double *state, const double *scale, int stopped) {
   if (!needsProjection())
     return 0;
   const tf_model &model = at_.model();
   at_.setPoint(at_.time(), state);
   std::copy_n(state, model.nq + model.nv, shifted_.begin());
   projectCoordinates(state);
-  projectVelocities(state + model.nq);
+  projectVelocities(state + model.nq, stopped >= 0 ? pairs_[guards_[stopped].index].row : -1);
   double size = 0;
   for (int k = 0; k < model.nq + model.nv; ++k)
     size = std::max(size, std::abs(state[k] - shifted_[k]) / scale[k]);

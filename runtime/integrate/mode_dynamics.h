@@ -21,6 +21,7 @@ enum class GuardKind : std::uint8_t {
   Gap,        // open contact: gap ≥ 0
   Force,      // margin of the contact forces ≥ 0
   Slip,       // slipping row: |slip| in its direction ≥ 0
+  SlipAlong,  // slip of two components: its component along the reference direction ≥ 0
   Condition,  // switch off its surface: ±c ≥ 0
   StepLow,    // sliding switch: alpha ≥ 0
   StepHigh,   // sliding switch: 1 − alpha ≥ 0
@@ -29,7 +30,7 @@ enum class GuardKind : std::uint8_t {
 // A function that is ≥ 0 in the mode.
 struct Guard {
   GuardKind kind = GuardKind::Gap;
-  int index = 0;  // contact, margin, tangential row or switch
+  int index = 0;  // contact, margin, tangential row, number among the slips of two components that slip, or switch
   double sign = 1;
   double scale = 1;  // magnitude below 1e-12 · scale is rounding
 };
@@ -82,15 +83,40 @@ public:
 
   // Moves (q, v) onto gap = 0, gap rate = 0 and slip = 0 of the active rows and onto the constraints, in the metric of M, and quaternions
   // to unit length; the point must be the last evaluation's. Returns the size of the correction relative to `scale` [n].
-  double project(double *state, const double *scale);
+  // The slip of the SlipAlong guard `stopped` becomes zero too.
+  double project(double *state, const double *scale, int stopped = -1);
   [[nodiscard]] bool needsProjection() const;
+
+  // Slips of two components: friction opposes v_t/‖v_t‖, continued through v_t = 0 along a reference direction, so that a step may end
+  // where the slip vanishes (theory.md section 4). The direction at (t, y) becomes the reference of the next step.
+  void renewDirections(double time, const double *state);
+  // ‖v_t‖ of a SlipAlong guard at the point of the last `switching`.
+  [[nodiscard]] double slipSpeed(int guard) const;
+  // The direction of friction of a SlipAlong guard is the reference direction, whatever the slip is: for the last step to zero, in which
+  // the slip no longer turns by more than the tolerance. `renewDirections` and `start` end that.
+  void holdDirection(int guard, bool hold) { pairs_[guards_[guard].index].held = hold; }
+  // First tangential row of the model of a SlipAlong guard.
+  [[nodiscard]] int slipRow(int guard) const { return pairs_[guards_[guard].index].modelRow; }
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }
   void resetStatistics() { evaluations_ = 0; }
 
 private:
+  // A slip of two components that slips: its first row among rows(), its first row of the model, and the reference direction.
+  struct SlipPair {
+    int row = 0, modelRow = 0;
+    double c = 1, s = 0;
+    bool held = false;
+  };
+
   bool prepare(double time, const double *state);
+  void chooseDirections(double time, const double *state);
+  void alignFrames();
+  [[nodiscard]] double along(const SlipPair &pair) const;
+  [[nodiscard]] double across(const SlipPair &pair) const;
+  void differenceSlips(double time, const double *state);
+  [[nodiscard]] double turning(std::size_t pair, int column) const;
   [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
   bool solveSliding();
@@ -102,7 +128,7 @@ private:
   // target += W Jᵀ x with D x = cgR_ on the rows marked in correctedRows_.
   void correct(double *target);
   void projectCoordinates(double *state);
-  void projectVelocities(double *velocities);
+  void projectVelocities(double *velocities, int stoppedRow);
   void differenceJacobian(double time, const double *state, double *matrix);
   bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
@@ -114,6 +140,10 @@ private:
   ContactProblem problem_;
   ContactMode contactMode_;
   ModeForces forces_;
+  std::vector<std::uint8_t> isPaired_;  // nt
+  std::vector<SlipPair> pairs_;
+  double slipRounding_ = 0;          // slips below have the reference direction
+  std::vector<double> slipByState_;  // d slip/d(q, v): two rows for each of pairs_
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;

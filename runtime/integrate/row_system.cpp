@@ -13,6 +13,19 @@ std::vector<int> contactsOfTangents(const tf_model &model) {
   return owner;
 }
 
+std::vector<int> pairsOfTangents(const tf_model &model) {
+  std::vector<int> pair(model.nt, -1);
+  const auto mark = [&pair](int first, int count) {
+    for (int k = 0; count == 2 && k < 2; ++k)
+      pair[first + k] = first;
+  };
+  for (int i = 0; i < model.nc; ++i)
+    mark(model.contacts[i].tangent_first, model.contacts[i].tangent_count);
+  for (int i = 0; i < model.nf; ++i)
+    mark(model.frictions[i].tangent_first, model.frictions[i].tangent_count);
+  return pair;
+}
+
 void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem) {
   contacts_ = contacts;
   tangents_ = tangents;
@@ -20,9 +33,14 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   jacobian_.assign(static_cast<std::size_t>(count()) * nv_, 0.0);
   mobility_ = jacobian_;
   contactOf_.clear();
+  side_.clear();
+  frame_.assign(tangents.size(), Frame{});
+  const std::vector<int> pair = pairsOfTangents(model);
   const std::vector<int> owner = contactsOfTangents(model);
   for (std::size_t j = 0; j < tangents_.size(); ++j) {
     contactOf_.push_back(owner[tangents_[j]]);
+    side_.push_back(pair[tangents_[j]] < 0 ? 0 : pair[tangents_[j]] == tangents_[j] ? 1 : 2);
+    problem.partner[j] = side_[j] == 0 ? -1 : static_cast<int>(j) + (side_[j] == 1 ? 1 : -1);
     if (contactOf_[j] < 0) {
       problem.owner[j] = -1;
       continue;
@@ -37,9 +55,13 @@ void RowSystem::assemble(const ModelEvaluation &at, DenseMatrix &delassus, Conta
   const int n = normalCount();
   const int m = count();
   for (int i = 0; i < m; ++i) {
-    const double *source = i < n ? at.normal.data() + contacts_[i] * nv_ : at.tangent.data() + tangents_[i - n] * nv_;
-    std::copy_n(source, nv_, jacobian_.data() + i * nv_);
-    at.mobility.apply(source, mobility_.data() + i * nv_);
+    double *row = jacobian_.data() + i * nv_;
+    if (i < n || side_[i - n] == 0)
+      std::copy_n(i < n ? at.normal.data() + contacts_[i] * nv_ : at.tangent.data() + tangents_[i - n] * nv_, nv_, row);
+    else
+      for (int k = 0; k < nv_; ++k)
+        row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
+    at.mobility.apply(row, mobility_.data() + i * nv_);
   }
   for (int i = 0; i < m; ++i)
     for (int j = 0; j <= i; ++j) {
@@ -53,13 +75,36 @@ void RowSystem::assemble(const ModelEvaluation &at, DenseMatrix &delassus, Conta
       rows.friction[j] = at.friction[contactOf_[j]];
     else
       rows.bound[j] = at.bound[tangents_[j]];
+    if (side_[j] == 2 && rows.slipSign[j] != 0)
+      rows.friction[j] = rows.bound[j] = 0;
+  }
+}
+
+double RowSystem::tangentValue(const double *modelRows, int stride, int j) const {
+  const double own = modelRows[tangents_[j] * stride];
+  if (side_[j] == 0)
+    return own;
+  if (side_[j] == 1)
+    return frame_[j].c * own + frame_[j].s * modelRows[tangents_[j + 1] * stride];
+  return frame_[j - 1].c * own - frame_[j - 1].s * modelRows[tangents_[j - 1] * stride];
+}
+
+void RowSystem::spreadTangentForces(const double *forces, double *modelForces) const {
+  for (std::size_t j = 0; j < tangents_.size(); ++j) {
+    if (side_[j] == 0)
+      modelForces[tangents_[j]] = forces[j];
+    if (side_[j] != 1)
+      continue;
+    const Frame &frame = frame_[j];
+    modelForces[tangents_[j]] = frame.c * forces[j] - frame.s * forces[j + 1];
+    modelForces[tangents_[j + 1]] = frame.s * forces[j] + frame.c * forces[j + 1];
   }
 }
 
 void RowSystem::bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const {
   const int n = normalCount();
   for (int i = 0; i < count(); ++i)
-    bias[i] = product(i, freeAcceleration) + (i < n ? at.normalBias[contacts_[i]] : at.tangentBias[tangents_[i - n]]);
+    bias[i] = product(i, freeAcceleration) + (i < n ? at.normalBias[contacts_[i]] : tangentValue(at.tangentBias.data(), 1, i - n));
 }
 
 void RowSystem::accelerate(const double *forces, double *acceleration) const {

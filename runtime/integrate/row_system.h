@@ -10,11 +10,12 @@ namespace tf::runtime {
 
 class RowSystem {
 public:
-  // Normal rows of `contacts`, then the tangential rows `tangents` (numbers of the model's table; a row of a contact needs its contact
-  // among `contacts`). Fills owners of `problem`.
+  // Normal rows of `contacts`, then the tangential rows `tangents` (increasing numbers of the model's table; a row of a contact needs its
+  // contact among `contacts`, both rows of a slip are there or none). Fills owners and partners of `problem`.
   void choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem);
 
-  // J and W Jᵀ at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds.
+  // J and W Jᵀ at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds. The
+  // second row of a pair with slipSign ≠ 0 has none: its frame lies along the slip.
   void assemble(const ModelEvaluation &at, DenseMatrix &delassus, ContactRows &rows);
   // bias_i = J_i · acceleration + bias of the row
   void bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const;
@@ -25,6 +26,16 @@ public:
   // J_i · x
   [[nodiscard]] double product(int row, const double *x) const;
 
+  [[nodiscard]] const double *jacobian(int row) const { return jacobian_.data() + static_cast<std::ptrdiff_t>(row) * nv_; }
+
+  // The rows of a slip with two components are a pair in a frame of its own: row j = c·(first row) + s·(second row), row j + 1 =
+  // c·second − s·first. `choose` sets c = 1, s = 0.
+  void setFrame(int j, double c, double s) { frame_[j] = {c, s}; }
+  // Row j (from 0, of the tangential rows here) of a quantity with one value for each tangential row of the model, `stride` apart.
+  [[nodiscard]] double tangentValue(const double *modelRows, int stride, int j) const;
+  // Forces of the tangential rows here into those of the model [nt]; other rows keep theirs.
+  void spreadTangentForces(const double *forces, double *modelForces) const;
+
   [[nodiscard]] int count() const { return static_cast<int>(contacts_.size() + tangents_.size()); }
   [[nodiscard]] int normalCount() const { return static_cast<int>(contacts_.size()); }
   [[nodiscard]] const std::vector<int> &contacts() const { return contacts_; }
@@ -32,10 +43,19 @@ public:
 
 private:
   std::vector<int> contacts_, tangents_;
+  struct Frame {
+    double c = 1, s = 0;
+  };
+
   std::vector<int> contactOf_;  // of a tangential row: contact or −1
+  std::vector<int> side_;       // of a tangential row: 0 alone, 1 first of a pair, 2 second
+  std::vector<Frame> frame_;    // of the first row of a pair
   int nv_ = 0;
   std::vector<double> jacobian_, mobility_;  // count × nv, row-major
 };
+
+// Tangential row of the model that the slip with two components begins with which `row` belongs to; −1 for a slip of one component.
+[[nodiscard]] std::vector<int> pairsOfTangents(const tf_model &model);
 
 // Contact of a tangential row of the model, −1 for a row of a friction element.
 [[nodiscard]] std::vector<int> contactsOfTangents(const tf_model &model);

@@ -86,7 +86,14 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   rates_.resize(problem_.normalCount, problem_.tangentCount);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const double slip = at_.slip[tangents[j]];
-    problem_.slipSign[j] = slip > velocityTolerance ? 1 : slip < -velocityTolerance ? -1 : 0;
+    if (problem_.partner[j] < 0) {
+      problem_.slipSign[j] = slip > velocityTolerance ? 1 : slip < -velocityTolerance ? -1 : 0;
+    } else if (problem_.partner[j] > static_cast<int>(j)) {
+      const double other = at_.slip[tangents[j + 1]], speed = std::hypot(slip, other);
+      problem_.slipSign[j] = problem_.slipSign[j + 1] = speed > velocityTolerance ? 1 : 0;
+      if (speed > velocityTolerance)
+        rows_.setFrame(static_cast<int>(j), slip / speed, other / speed);
+    }
   }
   previousContacts_.resize(problem_.normalCount, problem_.tangentCount);
   readPrevious(previous);
@@ -98,6 +105,8 @@ void ModeSelection::readPrevious(const Mode &previous) {
   for (int j = 0; j < problem_.tangentCount; ++j) {
     const Tangent tangent = previous.tangent[rows_.tangents()[j]];
     previousContacts_.slip[j] = static_cast<std::int8_t>(tangent == Tangent::None ? 0 : static_cast<int>(tangent));
+    if (!previous.direction.empty())
+      previousContacts_.direction[j] = previous.direction[rows_.tangents()[j]];
   }
 }
 
@@ -105,13 +114,24 @@ void ModeSelection::writeMode(const ContactMode &contacts) {
   const tf_model &model = at_.model();
   mode_.closed.assign(model.nc, 0);
   mode_.tangent.assign(model.nt, Tangent::None);
+  mode_.direction.assign(model.nt, 0.0);
   for (int i = 0; i < problem_.normalCount; ++i)
     mode_.closed[rows_.contacts()[i]] = contacts.closed[i];
   for (int j = 0; j < problem_.tangentCount; ++j) {
     const int owner = problem_.owner[j];
     if (owner < 0 || contacts.closed[owner])
       mode_.tangent[rows_.tangents()[j]] = static_cast<Tangent>(contacts.slip[j]);
+    mode_.direction[rows_.tangents()[j]] = contacts.direction[j];
   }
+}
+
+// The latest forces: a start for iterative solutions.
+void ModeSelection::readForces() {
+  guess_.assign(rows_.count(), 0.0);
+  for (int i = 0; i < problem_.normalCount; ++i)
+    guess_[i] = at_.normalForce[rows_.contacts()[i]];
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    guess_[problem_.normalCount + j] = rows_.tangentValue(at_.tangentForce.data(), 1, j);
 }
 
 // The contact mode for the current step variables.
@@ -127,7 +147,8 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   rows_.assemble(at_, problem_.delassus, problem_);
   at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration_.data());
   rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
-  const ContactSolution &solution = solver_.solve(problem_, &previousContacts_);
+  readForces();
+  const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, guess_.data());
   worstViolation_ = std::max(worstViolation_, solution.violation);
   if (solution.status == ContactStatus::Inconsistent) {
     forced_ = rows_.contacts()[solution.forced];

@@ -12,7 +12,7 @@ namespace tf::runtime {
 
 struct SelectionTolerances {
   double gap = 1e-10;        // · nominal of the contact: the contact is closed
-  double velocity = 1e-11;   // · largest velocity, at least 1: gap rate or slip is zero
+  double velocity = 1e-11;   // · largest velocity, at least 1: gap rate or slip (its magnitude) is zero
   double condition = 1e-11;  // · max(1, |c| of the rates): the switch is on its surface
 };
 
@@ -62,6 +62,7 @@ private:
   bool conditionsHold(double time, const double *state);
   void writeMode(const ContactMode &contacts);
   void readPrevious(const Mode &previous);
+  void readForces();
 
   ModeDynamics &dynamics_;
   ModelEvaluation &at_;
@@ -75,7 +76,7 @@ private:
   std::vector<int> surfaces_;                    // switches on their surfaces
   std::vector<std::vector<Switch>> choices_;     // of each, in order of preference
   std::vector<std::uint8_t> candidates_, mask_;  // nc; nc + nf
-  std::vector<double> rate_, freeAcceleration_;
+  std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;
   bool indeterminate_ = false;
   double worstViolation_ = 0;

@@ -105,9 +105,12 @@ private:
   void enterSegment();
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
   tf_status freeze(std::vector<Transition> &transitions, int forced);
+  [[nodiscard]] int elementOfTangent(int row) const;
   void compareModes(const Mode &from, const Mode &to, std::vector<Transition> &transitions) const;
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
+  bool locateStop(DetectedEvent &event);
+  tf_status followTurn(const DetectedEvent &event);
   bool skipTo(double limit);
   bool fallBack(SmoothIntegrator &integrator);
   tf_status step(double limit);
@@ -133,16 +136,7 @@ tf_status Simulation::Implementation::checkSupported() {
     if (!(at_.rate[i] > 0))
       return fail(fmt::format("contact '{}' has rate {}; it must be positive ({}:{})", contact.name, at_.rate[i], contact.location.file,
                               contact.location.line));
-    if (contact.tangent_count > 1)
-      return fail(fmt::format("contact '{}' has a slip of {} components: friction in three dimensions is not supported yet ({}:{})",
-                              contact.name, contact.tangent_count, contact.location.file, contact.location.line));
   }
-  for (int i = 0; i < model_.nf; ++i)
-    if (model_.frictions[i].tangent_count > 1)
-      return fail(
-          fmt::format("friction element '{}' has a slip of {} components: friction in three dimensions is not supported yet ({}:{})",
-                      model_.frictions[i].name, model_.frictions[i].tangent_count, model_.frictions[i].location.file,
-                      model_.frictions[i].location.line));
   return TF_OK;
 }
 
@@ -420,20 +414,30 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   return TF_OK;
 }
 
+// Of events: the contact, or nc + friction element, of a tangential row.
+int Simulation::Implementation::elementOfTangent(int row) const {
+  const auto has = [row](const auto &element) {
+    return row >= element.tangent_first && row < element.tangent_first + element.tangent_count;
+  };
+  for (int i = 0; i < model_.nc; ++i)
+    if (has(model_.contacts[i]))
+      return i;
+  for (int f = 0; f < model_.nf; ++f)
+    if (has(model_.frictions[f]))
+      return model_.nc + f;
+  return -1;
+}
+
 void Simulation::Implementation::compareModes(const Mode &from, const Mode &to, std::vector<Transition> &transitions) const {
   for (int i = 0; i < model_.nc; ++i)
     if (from.closed[i] != to.closed[i])
       transitions.push_back({to.closed[i] ? TF_EVENT_CLOSING : TF_EVENT_OPENING, i});
-  const std::vector<int> owner = contactsOfTangents(model_);
+  const std::vector<int> pair = pairsOfTangents(model_);
   for (int j = 0; j < model_.nt; ++j) {
     const Tangent a = from.tangent[j], b = to.tangent[j];
-    if (a == b || b == Tangent::None)
+    if (a == b || b == Tangent::None || (pair[j] >= 0 && pair[j] < j))
       continue;
-    int element = owner[j];
-    if (element < 0)
-      for (int f = 0; f < model_.nf; ++f)
-        if (j >= model_.frictions[f].tangent_first && j < model_.frictions[f].tangent_first + model_.frictions[f].tangent_count)
-          element = model_.nc + f;
+    const int element = elementOfTangent(j);
     if (b == Tangent::Stick)
       transitions.push_back({TF_EVENT_STICK, element});
     else if (a == Tangent::Stick)
@@ -514,9 +518,12 @@ tf_status Simulation::Implementation::timeEvent() {
 
 tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
   const Guard guard = dynamics_.guards()[event.guard];
-  if (!detection_->locate(event))
+  const bool stops = guard.kind == GuardKind::SlipAlong;
+  if (stops && !locateStop(event))
+    return followTurn(event);
+  if (!stops && !detection_->locate(event))
     return failEvaluation();
-  dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+  dynamics_.project(integrator_->end(), integrator_->settings().scale.data(), stops ? event.guard : -1);
   commit();
   if (!sensitivitiesAreGood_)
     return failSensitivities("the step that ends");
@@ -537,8 +544,11 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   else if (guard.kind == GuardKind::Condition)
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
   std::vector<Transition> transitions;
+  const int slipping = stops ? dynamics_.slipRow(event.guard) : -1;
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
+  if (stops && mode_.tangent[slipping] == Tangent::SlipPositive)
+    transitions.push_back({TF_EVENT_SLIP_REVERSAL, elementOfTangent(slipping)});
   report(transitions);
   if (std::none_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_IMPACT; }))
     return TF_OK;
@@ -591,6 +601,55 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   return TF_OK;
 }
 
+// The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
+// the tolerance? Else it turns by a right angle. Where it hardly turns any more its direction is held, since the right-hand side is
+// singular at zero; friction that has the direction of the step's begin leaves a rest of the size of the turn, which is bounded here too.
+bool Simulation::Implementation::locateStop(DetectedEvent &event) {
+  const IntegratorSettings &settings = integrator_->settings();
+  double scale = 1;
+  for (int i = 0; i < model_.nv; ++i)
+    scale = std::max({scale, settings.scale[model_.nq + i], std::abs(integrator_->begin()[model_.nq + i])});
+  const double allowed = std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(integrator_->begin()));
+  std::vector<double> state(n_);
+  integrator_->interpolate(event.time, state.data());
+  at_.setPoint(event.time, state.data());
+  at_.switching(ModelEvaluation::Slips);
+  if (dynamics_.slipSpeed(event.guard) > 1e3 * allowed)
+    return false;
+  dynamics_.holdDirection(event.guard, true);
+  if (detection_->locate(event)) {
+    at_.setPoint(integrator_->endTime(), integrator_->end());
+    at_.switching(ModelEvaluation::Slips);
+    if (dynamics_.slipSpeed(event.guard) <= allowed)
+      return true;
+  }
+  dynamics_.holdDirection(event.guard, false);
+  return false;
+}
+
+// The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.
+tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
+  const double begin = integrator_->beginTime();
+  double length = event.time - begin;
+  for (bool good = false; !good;) {
+    length *= 0.75;
+    if (begin + length <= begin)
+      return failEvaluation();
+    if (!integrator_->shorten(begin + length))
+      continue;
+    at_.switching(ModelEvaluation::Slips);
+    good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard);
+  }
+  dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+  commit();
+  suggestedStep_ = 0.5 * length;
+  dynamics_.renewDirections(time_, state_.data());
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  startIntegrator();
+  return TF_OK;
+}
+
 // Shorter than any integrator can step: the state moves along its rate.
 bool Simulation::Implementation::skipTo(double limit) {
   const double h = limit - time_;
@@ -636,6 +695,7 @@ tf_status Simulation::Implementation::step(double limit) {
     return handle(event, limit);
   detection_->advance();
   commit();
+  dynamics_.renewDirections(time_, state_.data());
   if (!sensitivitiesAreGood_)
     return failSensitivities("the step that ends");
   if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack(*fallback_))
@@ -683,7 +743,7 @@ void Simulation::Implementation::observeInvariants() {
 
 // numbers, state, impulses, what is known of the impacts, mode
 std::size_t Simulation::Implementation::stateSize() const {
-  return (3 + static_cast<std::size_t>(n_) + impulse_.size() + rest_.numberCount()) * sizeof(double) + sizeof(EnergyTotals) +
+  return (3 + static_cast<std::size_t>(n_) + impulse_.size() + rest_.numberCount() + model_.nt) * sizeof(double) + sizeof(EnergyTotals) +
          static_cast<std::size_t>(model_.nc) + model_.nt + model_.ns;
 }
 
@@ -706,6 +766,8 @@ void Simulation::Implementation::save(void *buffer) {
   write(mode_.closed.data(), mode_.closed.size());
   write(mode_.tangent.data(), mode_.tangent.size());
   write(mode_.switches.data(), mode_.switches.size());
+  mode_.direction.resize(model_.nt);
+  write(mode_.direction.data(), mode_.direction.size() * sizeof(double));
   // The saved point is where both continuations begin anew.
   rest_.read(impacts.data());
   if (modeValid_ && dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data()))
@@ -737,6 +799,8 @@ void Simulation::Implementation::restore(const void *buffer) {
   read(mode_.closed.data(), mode_.closed.size());
   read(mode_.tangent.data(), mode_.tangent.size());
   read(mode_.switches.data(), mode_.switches.size());
+  mode_.direction.resize(model_.nt);
+  read(mode_.direction.data(), mode_.direction.size() * sizeof(double));
   error_.clear();
   enterSegment();
   modeValid_ = dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data());

@@ -11,6 +11,8 @@ VariableValues::VariableValues(ModeDynamics &dynamics)
     : dynamics_(dynamics), owner_(contactsOfTangents(dynamics.model().model())), rate_(dynamics.size()),
       outputs_(dynamics.model().model().no) {
   const tf_model &model = dynamics.model().model();
+  for (const int pair : pairsOfTangents(model))
+    isPaired_.push_back(pair >= 0);
   for (int k = 0; k < model.variable_count; ++k)
     hasEnergies_ = hasEnergies_ || model.variables[k].kind == TF_KIND_KINETIC_ENERGY;
 }
@@ -25,9 +27,10 @@ double VariableValues::push(int contact) const {
   return dynamics_.mode().closed[contact] ? at.normalForce[contact] * dynamics_.timeSpeed() / at.rate[contact] : 0;
 }
 
+// λ_t = (1 − 2 α3) limit; of a slip with two components for each component of λ_t.
 double VariableValues::slipStep(int row) const {
   const ModelEvaluation &at = dynamics_.model();
-  if (dynamics_.mode().tangent[row] != Tangent::Stick)
+  if (dynamics_.mode().tangent[row] != Tangent::Stick && !isPaired_[row])
     return at.slip[row] > 0 ? 1 : at.slip[row] < 0 ? 0 : 0.5;
   const int contact = owner_[row];
   return slipStepVariable(at.tangentForce[row], contact >= 0 ? at.friction[contact] * at.normalForce[contact] : at.bound[row]);

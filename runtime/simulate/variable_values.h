@@ -30,7 +30,8 @@ private:
   const EnergyBalance *energy_ = nullptr;
   bool hasEnergies_ = false;
   double kinetic_ = 0, potential_ = 0;
-  std::vector<int> owner_;  // contact of a tangential row, −1 of a friction element
+  std::vector<int> owner_;      // contact of a tangential row, −1 of a friction element
+  std::vector<bool> isPaired_;  // tangential rows: of slips with two components
   std::vector<double> rate_, outputs_;
 };
 

@@ -1,0 +1,185 @@
+#include "runtime/contact/conic_forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+// Rows of A have length 1; smaller pivots are those of dependent rows.
+constexpr double singular = 1e-9;
+// Forces beyond this multiple of the largest one are of no interest: internal forces of wedged bodies may grow without end.
+constexpr double farthest = 1e3;
+// The barrier's weight falls from firstWeight to lastWeight, relative to the force scale: the result is that far from the optimum.
+constexpr double firstWeight = 1, lastWeight = 1e-14, reduction = 0.05;
+
+}  // namespace
+
+void ConicForces::resize(int variables, int limits) {
+  matrix_.resize(variables, variables);
+  rhs_.resize(variables);
+  limits_.resize(limits);
+}
+
+void ConicForces::solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const {
+  // Aᵀ P = Q R: the first `rank` equations in the order of P are independent.
+  const Eigen::Index rank = factor_.rank(), count = rhs.size();
+  Eigen::VectorXd y = (factor_.colsPermutation().transpose() * rhs).head(rank);
+  factor_.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().transpose().solveInPlace(y);
+  x.setZero(count);
+  x.head(rank) = y;
+  x.applyOnTheLeft(factor_.householderQ());
+}
+
+bool ConicForces::prepare(double tolerance) {
+  const Eigen::Index count = rhs_.size();
+  for (Eigen::Index r = 0; r < count; ++r) {
+    const double length = matrix_.row(r).norm();
+    if (length > 0) {
+      matrix_.row(r) /= length;
+      rhs_[r] /= length;
+    }
+  }
+  factor_.setThreshold(singular);
+  factor_.compute(matrix_.transpose());
+  const Eigen::Index rank = factor_.rank();
+  kernel_.setZero(count, count - rank);
+  kernel_.bottomRows(count - rank).setIdentity();
+  kernel_.applyOnTheLeft(factor_.householderQ());
+  solve(rhs_, free_);
+  scale_ = free_.lpNorm<Eigen::Infinity>();
+  for (const Limit &limit : limits_)
+    scale_ = std::max(scale_, limit.offset);
+  if (!(scale_ > 0))
+    scale_ = 1;
+  return (matrix_ * free_ - rhs_).lpNorm<Eigen::Infinity>() <= tolerance * scale_;
+}
+
+double ConicForces::slack(int k, const Eigen::VectorXd &x) const {
+  const Limit &limit = limits_[k];
+  const double first = limit.first >= 0 ? x[limit.first] : 0, second = limit.second >= 0 ? x[limit.second] : 0;
+  return (limit.apex >= 0 ? limit.factor * x[limit.apex] : 0) + limit.offset - std::hypot(first, second);
+}
+
+double ConicForces::smallestSlack(const Eigen::VectorXd &x) const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t k = 0; k < limits_.size(); ++k)
+    least = std::min(least, slack(static_cast<int>(k), x));
+  return least;
+}
+
+// Objective and barrier −Σ log(u² − ‖t‖²) − log(R² − ‖c‖²), u = slack without ‖t‖ less the common slack, with gradient and Hessian.
+// False outside the domain.
+bool ConicForces::barrier(Aim aim, double weight, double &value, bool derivatives) {
+  const bool common = aim == Aim::CommonSlack;
+  const Eigen::Index kernel = kernel_.cols(), size = kernel + (common ? 1 : 0);
+  const auto c = unknown_.head(kernel);
+  point_.noalias() = base_ + kernel_ * c;
+  const double margin = common ? unknown_[kernel] : 0.0;
+  const double radius = farthest * scale_, room = radius * radius - c.squaredNorm();
+  if (!(room > 0))
+    return false;
+  value = (common ? -margin : 0.5 * point_.squaredNorm()) / weight - std::log(room);
+  if (derivatives) {
+    gradient_.setZero(size);
+    hessian_.setZero(size, size);
+    if (common)
+      gradient_[kernel] = -1 / weight;
+    else
+      gradient_ = kernel_.transpose() * point_ / weight;
+    if (!common)
+      hessian_.diagonal().setConstant(1 / weight);  // the kernel's basis is orthonormal
+    gradient_.head(kernel) += 2 / room * c;
+    hessian_.topLeftCorner(kernel, kernel).diagonal().array() += 2 / room;
+    hessian_.topLeftCorner(kernel, kernel) += 4 / (room * room) * c * c.transpose();
+  }
+  Eigen::VectorXd du(size), slope(size);
+  for (const Limit &limit : limits_) {
+    const double u = (limit.apex >= 0 ? limit.factor * point_[limit.apex] : 0) + limit.offset - margin;
+    const double first = limit.first >= 0 ? point_[limit.first] : 0, second = limit.second >= 0 ? point_[limit.second] : 0;
+    const double length = std::hypot(first, second), square = (u - length) * (u + length);
+    if (!(u > length))
+      return false;
+    const bool line = limit.first < 0;
+    value -= line ? std::log(u) : std::log(square);
+    if (!derivatives)
+      continue;
+    du.setZero(size);
+    if (limit.apex >= 0)
+      du.head(kernel) = limit.factor * kernel_.row(limit.apex).transpose();
+    if (common)
+      du[kernel] = -1;
+    if (line) {
+      gradient_ -= du / u;
+      hessian_.noalias() += du * du.transpose() / (u * u);
+      continue;
+    }
+    // d(u² − ‖t‖²) = 2(u du − Σ t dt), second derivative 2(du duᵀ − Σ dt dtᵀ).
+    slope = 2 * u * du;
+    hessian_.noalias() -= 2 / square * du * du.transpose();
+    for (const int t : {limit.first, limit.second}) {
+      if (t < 0)
+        continue;
+      slope.head(kernel) -= 2 * point_[t] * kernel_.row(t).transpose();
+      hessian_.topLeftCorner(kernel, kernel).noalias() += 2 / square * kernel_.row(t).transpose() * kernel_.row(t);
+    }
+    gradient_ -= slope / square;
+    hessian_.noalias() += slope * slope.transpose() / (square * square);
+  }
+  return true;
+}
+
+// Newton's method on the barrier function from a point of its domain.
+void ConicForces::center(Aim aim, double weight) {
+  double value = 0;
+  for (int iteration = 0; iteration < 60; ++iteration) {
+    if (!barrier(aim, weight, value, true))
+      return;
+    step_ = hessian_.ldlt().solve(-gradient_);
+    const double decrement = -gradient_.dot(step_);
+    if (!(decrement > 1e-12) || !step_.allFinite())
+      return;
+    const Eigen::VectorXd from = unknown_;
+    double factor = 1, trial = 0;
+    for (;; factor *= 0.5) {
+      if (factor < 1e-12) {
+        unknown_ = from;
+        return;
+      }
+      unknown_ = from + factor * step_;
+      if (barrier(aim, weight, trial, false) && trial <= value - 1e-4 * factor * decrement)
+        break;
+      // Near the optimum values agree to rounding: a full step of a small decrement is taken.
+      if (factor == 1 && decrement < 1e-6 && barrier(aim, weight, trial, false))
+        return;
+    }
+    if (decrement < 1e-3 && factor == 1 && weight > 10 * lastWeight * scale_)
+      return;
+  }
+}
+
+double ConicForces::largestSlack() {
+  const Eigen::Index kernel = kernel_.cols();
+  base_ = free_;
+  unknown_.setZero(kernel + 1);
+  unknown_[kernel] = smallestSlack(free_) - scale_;
+  for (double weight = firstWeight; weight >= lastWeight; weight *= reduction)
+    center(Aim::CommonSlack, weight * scale_);
+  innermost_ = base_ + kernel_ * unknown_.head(kernel);
+  return smallestSlack(innermost_);
+}
+
+const Eigen::VectorXd &ConicForces::leastNorm() {
+  const Eigen::Index kernel = kernel_.cols();
+  base_ = free_;
+  unknown_ = kernel_.transpose() * (innermost_ - free_);
+  unknown_.conservativeResize(kernel);
+  for (double weight = firstWeight; weight >= lastWeight; weight *= reduction)
+    center(Aim::LeastNorm, weight * scale_ * scale_);
+  least_ = base_ + kernel_ * unknown_;
+  return least_;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,64 @@
+// All forces of a mode whose sticking contacts are redundant and some of which have a slip of two components: the convex set
+//     A x = b,   slack_k(x) = factor_k x_apex + offset_k − ‖(x_t0, x_t1)‖ ≥ 0
+// with A singular. Its representative is the least-norm point; the set is empty where the largest common slack is negative
+// (theory.md section 6). Both are convex problems in the null space of A, solved by a logarithmic barrier (Boyd and Vandenberghe, Convex
+// Optimization, 2004, sections 11.3 and 11.6) to rounding.
+#ifndef TF_RUNTIME_CONTACT_CONIC_FORCES_H
+#define TF_RUNTIME_CONTACT_CONIC_FORCES_H
+
+#include <Eigen/Dense>
+
+#include <vector>
+
+namespace tf::runtime {
+
+class ConicForces {
+public:
+  struct Limit {
+    int apex = -1;                // variable, or −1
+    double factor = 0;            // of the apex
+    double offset = 0;            // ≥ 0
+    int first = -1, second = -1;  // variables of the tangential force, −1 where absent
+  };
+
+  // A, b and limits are undefined afterwards.
+  void resize(int variables, int limits);
+  Eigen::MatrixXd &matrix() { return matrix_; }
+  Eigen::VectorXd &rhs() { return rhs_; }
+  Limit &limit(int k) { return limits_[k]; }
+
+  // Factorises A. False: the dependent equations contradict the others by more than `tolerance`, relative to the size of the point.
+  bool prepare(double tolerance);
+  // The least-norm solution of A x = b alone.
+  [[nodiscard]] const Eigen::VectorXd &freePoint() const { return free_; }
+  // max over A x = b of min_k slack_k (up to a force far beyond that of freePoint), and a point where it is reached.
+  double largestSlack();
+  [[nodiscard]] const Eigen::VectorXd &innermost() const { return innermost_; }
+  // The least-norm point of the set, after largestSlack() > 0.
+  const Eigen::VectorXd &leastNorm();
+  // Least-norm solution of A x = b for another b.
+  void solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const;
+
+  [[nodiscard]] double slack(int k, const Eigen::VectorXd &x) const;
+  [[nodiscard]] double smallestSlack(const Eigen::VectorXd &x) const;
+  // Magnitude of forces.
+  [[nodiscard]] double scale() const { return scale_; }
+
+private:
+  // Objective −common/weight (common slack is the last unknown) or ½‖x‖²/weight (common slack 0).
+  enum class Aim : bool { CommonSlack, LeastNorm };
+  void center(Aim aim, double weight);
+  bool barrier(Aim aim, double weight, double &value, bool derivatives);
+
+  Eigen::MatrixXd matrix_, kernel_;
+  Eigen::VectorXd rhs_, free_, innermost_, least_;
+  std::vector<Limit> limits_;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor_;
+  Eigen::VectorXd unknown_, step_, gradient_, point_, base_;  // unknown: coordinates in the kernel, then the common slack
+  Eigen::MatrixXd hessian_;
+  double scale_ = 1;
+};
+
+}  // namespace tf::runtime
+
+#endif
