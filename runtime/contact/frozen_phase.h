@@ -36,6 +36,7 @@ enum class FrozenEvent : std::uint8_t {
   Stick,          // c3 of the row has reached 0 and stays
   Reversal,       // c3 of the row has changed its sign, or leaves 0
   Discard,        // nothing moves any more: what contacts have stored is of no use to them
+  Turn,           // a step along a curved part of the path (spatial_frozen_phase.h)
   Accumulation    // very many breakpoints have been summed, infinitely many where they accumulate
 };
 

@@ -63,7 +63,8 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
     assert(place != contacts.end());
     forcedRow = static_cast<int>(place - contacts.begin());
   }
-  const FrozenResult &result = phase_.run(problem_, forcedRow);
+  const bool spatial = std::any_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner >= 0; });
+  const FrozenResult &result = spatial ? spatialPhase_.run(problem_, forcedRow) : phase_.run(problem_, forcedRow);
   breakpoints_ = result.breakpointCount;
   if (result.status != FrozenStatus::Finished) {
     std::string names;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/contact/frozen_phase.h"
+#include "runtime/contact/spatial_frozen_phase.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/row_system.h"
 
@@ -31,6 +32,7 @@ private:
   RowSystem rows_;
   FrozenProblem problem_;
   FrozenPhase phase_;
+  SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;
   std::string text_;
   int breakpoints_ = 0;

@@ -21,7 +21,6 @@ const fs::path kFolder = TF_SOURCE_DIR "/tests/accuracy/contract";
 
 // What these cases need and the program does not do yet, with the text by which it says so.
 const std::map<std::string, std::string> kUnsupported = {
-    {"3D slide to rest", "slip"},
 };
 
 struct Case {

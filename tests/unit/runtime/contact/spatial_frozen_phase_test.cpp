@@ -1,0 +1,201 @@
+#include "runtime/contact/spatial_frozen_phase.h"
+
+#include "tests/unit/runtime/contact/spatial_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace tf::runtime {
+namespace {
+
+using test::spatialBody;
+using test::SpatialBody;
+
+// One contact, rows (normal, two slips).
+FrozenProblem oneContact(const Eigen::Matrix3d &D, double friction, double approach, const Eigen::Vector2d &slip) {
+  FrozenProblem problem;
+  problem.resize(1, 2);
+  problem.delassus.map() = D;
+  problem.owner = {0, 0};
+  problem.friction = {friction, friction};
+  problem.partner = {1, 0};
+  problem.normalVelocity = {approach};
+  problem.slipVelocity = {slip.x(), slip.y()};
+  return problem;
+}
+
+// Homogeneous sphere, mass 2: D_tt = (7/2)/m, D_tn = 0. The slip keeps its direction.
+TEST(SpatialFrozenPhase, SphereSlipsThroughTheImpact) {
+  const Eigen::Matrix3d D = Eigen::Vector3d(0.5, 1.75, 1.75).asDiagonal();
+  SpatialFrozenPhase phase;
+  const FrozenProblem problem = oneContact(D, 0.1, -2, {3, -4});
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_NEAR(result.duration, 4, 1e-14);
+  const double slip = 5 - 1.75 * 0.1 * 4;
+  EXPECT_NEAR(result.velocity[1], 0.6 * slip, 1e-14);
+  EXPECT_NEAR(result.velocity[2], -0.8 * slip, 1e-14);
+  EXPECT_EQ(result.velocity[0], 0);
+}
+
+TEST(SpatialFrozenPhase, SphereSticksWithinTheImpact) {
+  const Eigen::Matrix3d D = Eigen::Vector3d(0.5, 1.75, 1.75).asDiagonal();
+  SpatialFrozenPhase phase;
+  const FrozenProblem problem = oneContact(D, 0.8, -2, {3, -4});
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_EQ(result.velocity[1], 0);
+  EXPECT_EQ(result.velocity[2], 0);
+  EXPECT_NEAR(result.impulse[0], 4, 1e-14);
+  EXPECT_NEAR(result.impulse[1], -3 / 1.75, 1e-14);
+  EXPECT_NEAR(result.impulse[2], 4 / 1.75, 1e-14);
+  EXPECT_EQ(phase.breakpoints()[1].event, FrozenEvent::Stick);
+}
+
+TEST(SpatialFrozenPhase, PoissonsRestitutionOfASphere) {
+  const Eigen::Matrix3d D = Eigen::Vector3d(0.5, 1.75, 1.75).asDiagonal();
+  SpatialFrozenPhase phase;
+  FrozenProblem problem = oneContact(D, 0.1, -2, {3, -4});
+  problem.restitution = {0.5};
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_NEAR(result.velocity[0], 1, 1e-14);
+  EXPECT_NEAR(std::hypot(result.velocity[1], result.velocity[2]), 5 - 1.75 * 0.1 * 6, 1e-13);
+}
+
+// The motion of one contact, unit rate, (v, τ) by the classical Runge–Kutta method in σ, dτ = ‖v_t‖ dσ: regular where the slip vanishes,
+// which takes σ → ∞. To c2 = 0 or ‖v_t‖ = 1e-14. Returns τ.
+double follow(const Eigen::Matrix3d &D, double friction, Eigen::Vector3d &v, bool &rests) {
+  const auto rate = [&](const Eigen::Vector4d &at) -> Eigen::Vector4d {
+    const Eigen::Vector2d slip = at.segment<2>(1);
+    const double speed = slip.norm();
+    Eigen::Vector3d force(1, 0, 0);
+    force.tail<2>() = -friction * slip / speed;
+    Eigen::Vector4d result(0, 0, 0, speed);
+    result.head<3>() = speed * (D * force);
+    return result;
+  };
+  const auto step = [&](const Eigen::Vector4d &y, double h) -> Eigen::Vector4d {
+    const Eigen::Vector4d k1 = rate(y), k2 = rate(y + 0.5 * h * k1), k3 = rate(y + 0.5 * h * k2), k4 = rate(y + h * k3);
+    return y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  };
+  Eigen::Vector4d y(v[0], v[1], v[2], 0);
+  double h = 2e-4;
+  for (rests = false; !rests && y[0] < -1e-15;) {
+    Eigen::Vector4d next = step(y, h);
+    // To c2 = 0 by the secant method.
+    for (int k = 0; next[0] > 0 && k < 20; ++k)
+      next = step(y, h *= y[0] / (y[0] - next[0]));
+    y = next;
+    rests = y.segment<2>(1).norm() < 1e-14;
+  }
+  v = y.head<3>();
+  return y[3];
+}
+
+Eigen::Matrix3d anisotropic() {
+  Eigen::Matrix3d D;
+  D << 1, 0.2, -0.15, 0.2, 2.5, 0.6, -0.15, 0.6, 1.2;
+  return D;
+}
+
+TEST(SpatialFrozenPhase, CurvedSlipAgainstFineIntegration) {
+  Eigen::Vector3d v(-1, 2, 1.5);
+  bool rests = false;
+  const FrozenProblem problem = oneContact(anisotropic(), 0.3, v[0], v.tail<2>());
+  const double duration = follow(anisotropic(), 0.3, v, rests);
+  ASSERT_FALSE(rests);
+  SpatialFrozenPhase phase;
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_NEAR(result.duration, duration, 1e-9);
+  for (int r = 0; r < 3; ++r)
+    EXPECT_NEAR(result.velocity[r], v[r], 1e-9);
+}
+
+TEST(SpatialFrozenPhase, CurvedSlipComesToRestAndStays) {
+  Eigen::Vector3d v(-2, 0.6, 0.5);
+  bool rests = false;
+  const FrozenProblem problem = oneContact(anisotropic(), 0.6, v[0], v.tail<2>());
+  const double duration = follow(anisotropic(), 0.6, v, rests);
+  ASSERT_TRUE(rests);
+  // Then D_tt λ_t = −D_tn to c2 = 0.
+  const Eigen::Matrix3d D = anisotropic();
+  const Eigen::Vector2d stick = -D.bottomRightCorner<2, 2>().inverse() * D.bottomLeftCorner<2, 1>();
+  ASSERT_LT(stick.norm(), 0.6);
+  const double rest = -v[0] / (D(0, 0) + D.topRightCorner<1, 2>() * stick);
+  SpatialFrozenPhase phase;
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_EQ(result.velocity[1], 0);
+  EXPECT_EQ(result.velocity[2], 0);
+  EXPECT_NEAR(result.duration, duration + rest, 1e-9);
+}
+
+TEST(SpatialFrozenPhase, SlipRestartsInItsOwnDirection) {
+  const double friction = 0.05;
+  const Eigen::Vector3d v(-2, 0.05, 0.04);
+  const FrozenProblem problem = oneContact(anisotropic(), friction, v[0], v.tail<2>());
+  SpatialFrozenPhase phase;
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  // From zero slip at once.
+  const FrozenProblem still = oneContact(anisotropic(), friction, -2, {0, 0});
+  const FrozenResult &restarted = phase.run(still);
+  ASSERT_EQ(restarted.status, FrozenStatus::Finished);
+  const Eigen::Matrix3d D = anisotropic();
+  const Eigen::Vector2d slip(restarted.velocity[1], restarted.velocity[2]), u = slip.normalized();
+  const Eigen::Vector2d response = D.bottomLeftCorner<2, 1>() - friction * D.bottomRightCorner<2, 2>() * u;
+  EXPECT_NEAR(response.x() * u.y() - response.y() * u.x(), 0, 1e-12);
+  EXPECT_GT(response.dot(u), 0);
+  EXPECT_EQ(restarted.breakpointCount, 1);
+}
+
+// Bodies with up to four contacts: the path ends, velocities are those of the impulses, and energy is lost.
+TEST(SpatialFrozenPhase, RandomBodies) {
+  std::mt19937 generator(7);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  SpatialFrozenPhase phase;
+  int curved = 0, failed = 0;
+  for (int run = 0; run < 120; ++run) {
+    const int contacts = 1 + run % 4;
+    const SpatialBody body = spatialBody(generator, contacts);
+    const Eigen::MatrixXd J = body.rows, W = body.mass.inverse(), D = J * W * J.transpose();
+    Eigen::VectorXd velocity(6);
+    for (double &v : velocity)
+      v = uniform(generator);
+    velocity[2] -= 1;
+    FrozenProblem problem;
+    problem.resize(contacts, 2 * contacts);
+    problem.delassus.map() = D;
+    const Eigen::VectorXd before = J * velocity;
+    const double friction = 0.6 * (1 + uniform(generator));
+    for (int i = 0; i < contacts; ++i)
+      problem.normalVelocity[i] = before[i];
+    for (int j = 0; j < 2 * contacts; ++j) {
+      problem.owner[j] = j / 2;
+      problem.partner[j] = j ^ 1;
+      problem.friction[j] = friction;
+      problem.slipVelocity[j] = before[contacts + j];
+    }
+    const FrozenResult &result = phase.run(problem);
+    failed += result.status != FrozenStatus::Finished;
+    if (result.status != FrozenStatus::Finished)
+      continue;
+    const Eigen::Map<const Eigen::VectorXd> impulse(result.impulse.data(), 3 * contacts), after(result.velocity.data(), 3 * contacts);
+    EXPECT_LT((before + D * impulse - after).lpNorm<Eigen::Infinity>(), 1e-9) << run;
+    EXPECT_GE(after.head(contacts).minCoeff(), 0) << run;
+    const Eigen::VectorXd moved = velocity + W * J.transpose() * impulse;
+    EXPECT_LE(moved.dot(body.mass * moved), velocity.dot(body.mass * velocity) * (1 + 1e-9)) << run;
+    for (int i = 0; i < contacts; ++i)
+      EXPECT_LE(std::hypot(impulse[contacts + 2 * i], impulse[contacts + 2 * i + 1]), friction * impulse[i] + 1e-9) << run;
+    curved += result.breakpointCount > 20;
+  }
+  EXPECT_LE(failed, 2);
+  EXPECT_GT(curved, 15);
+}
+
+}  // namespace
+}  // namespace tf::runtime
