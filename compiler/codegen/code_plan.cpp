@@ -32,16 +32,18 @@ class Planner {
 public:
   Planner(const ir::Function &function, const ir::Graph &graph, int largestUnit)
       : function_(function), graph_(graph), largestUnit_(largestUnit), reached_(graph, rootsOf(function)),
-        homes_(static_cast<std::size_t>(reached_.size()), nowhere) {}
+        homes_(static_cast<std::size_t>(reached_.size()), nowhere), isSwept_(homes_.size(), 0) {}
 
   CodePlan run() {
     findHomes();
+    if (function_.sweep)
+      findSwept();
     findPartners();
     order();
-    int steps = 0;
+    std::size_t steps = 0;
     for (const Unit &region : regions_)
-      steps += static_cast<int>(region.steps.size());
-    plan_.isSplit = steps > largestUnit_;
+      steps += region.steps.size();
+    plan_.isSplit = function_.sweep || steps > static_cast<std::size_t>(largestUnit_);
     for (Unit &region : regions_)
       addRegion(std::move(region));
     if (plan_.isSplit)
@@ -55,6 +57,9 @@ private:
     roots.reserve(function.stores.size());
     for (const ir::Store &store : function.stores)
       roots.push_back(store.node);
+    if (function.sweep)
+      for (const ir::Sweep::Result &result : function.sweep->results)
+        roots.push_back(result.node);
     return roots;
   }
 
@@ -65,6 +70,9 @@ private:
   void findHomes() {
     for (const ir::Store &store : function_.stores)
       homes_[position(store.node)] = meet(homes_[position(store.node)], store.group);
+    if (function_.sweep)
+      for (const ir::Sweep::Result &result : function_.sweep->results)
+        homes_[position(result.node)] = meet(homes_[position(result.node)], result.group);
     for (std::size_t k = homes_.size(); k-- > 0;) {
       const ir::Node &node = graph_[reached_.node(static_cast<int>(k))];
       for (int j = 0; j < node.arity; ++j)
@@ -72,11 +80,25 @@ private:
     }
   }
 
-  // Depth first from the stores: each value is computed shortly before its use.
+  void findSwept() {
+    for (std::size_t k = 0; k < isSwept_.size(); ++k) {
+      const ir::Node &node = graph_[reached_.node(static_cast<int>(k))];
+      isSwept_[k] = node.op == ir::Op::Symbol && node.symbol.kind == ir::SymbolKind::Seed ? 1 : 0;
+      for (int j = 0; j < node.arity; ++j)
+        isSwept_[k] |= isSwept_[position(node.operands[j])];
+    }
+  }
+
+  // Depth first from the stores: each value is computed shortly before its use. A result that no seed moves is an entry of no matrix.
   void order() {
-    regions_.resize(static_cast<std::size_t>(function_.groups) + 1);
-    for (std::size_t g = 0; g < regions_.size(); ++g)
-      regions_[g].group = static_cast<int>(g) - 1;
+    const auto groups = static_cast<std::size_t>(function_.groups) + 1;
+    regions_.resize(function_.sweep ? 2 * groups : groups);
+    for (std::size_t k = 0; k < regions_.size(); ++k) {
+      regions_[k].group = static_cast<int>(k % groups) - 1;
+      regions_[k].isSwept = k >= groups;
+    }
+    for (const ir::Clear &clear : function_.clears)
+      region(clear.group, false).steps.push_back({Step::Kind::Clear, -1, clear.buffer, clear.position, clear.length});
     const std::vector<char> isCleared = clearZeros();
     done_.assign(homes_.size(), 0);
     for (std::size_t k = 0; k < function_.stores.size(); ++k) {
@@ -84,11 +106,18 @@ private:
       if (isCleared[k] != 0)
         continue;
       visit(store.node);
-      region(store.group).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
+      region(store.group, false).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
+    }
+    for (std::size_t r = 0; function_.sweep && r < function_.sweep->results.size(); ++r) {
+      const auto &[node, group] = function_.sweep->results[r];
+      if (isSwept_[position(node)] == 0)
+        continue;
+      visit(node);
+      region(group, true).steps.push_back({Step::Kind::Result, node, 0, static_cast<int>(r), 1});
     }
   }
 
-  Unit &region(int group) { return regions_[static_cast<std::size_t>(group) + 1]; }
+  Unit &region(int group, bool isSwept) { return regions_[static_cast<std::size_t>(group + 1 + (isSwept ? function_.groups + 1 : 0))]; }
 
   // Begins regions with the clearing of their zeros. Returns which stores are done with that.
   std::vector<char> clearZeros() {
@@ -116,7 +145,8 @@ private:
         }
       if (zeros >= shortestClear) {
         const ir::Store &begin = stores[order[first]];
-        region(begin.group).steps.push_back({Step::Kind::Clear, -1, begin.buffer, begin.position, static_cast<int>(last - first) + 1});
+        region(begin.group, false)
+            .steps.push_back({Step::Kind::Clear, -1, begin.buffer, begin.position, static_cast<int>(last - first) + 1});
         for (std::size_t k = first; k <= last; ++k)
           isCleared[order[k]] = isZero(order[k]) ? 1 : 0;
       }
@@ -146,7 +176,7 @@ private:
 
   void evaluateHere(NodeId id) {
     if (done_[position(id)] == 0)
-      region(homes_[position(id)]).steps.push_back({Step::Kind::Evaluate, id, 0, 0, 0});
+      region(homes_[position(id)], isSwept_[position(id)] != 0).steps.push_back({Step::Kind::Evaluate, id, 0, 0, 0});
     done_[position(id)] = 1;
   }
 
@@ -170,34 +200,36 @@ private:
     for (std::size_t begin = 0; begin < region.steps.size(); begin += size) {
       const auto first = region.steps.begin() + static_cast<std::ptrdiff_t>(begin);
       const auto last = region.steps.begin() + static_cast<std::ptrdiff_t>(std::min(begin + size, region.steps.size()));
-      plan_.units.push_back({region.group, {first, last}});
+      plan_.units.push_back({region.group, {first, last}, region.isSwept});
     }
   }
 
-  // Linear scan over the units: a slot is free again after the last unit that reads it.
+  // Linear scan over the units: a slot is free again after the last unit that reads it; one that the loop reads, after the loop.
   void assignSlots() {
     const int unitCount = static_cast<int>(plan_.units.size());
     std::vector<int> lastUse(homes_.size(), -1);
     for (int u = 0; u < unitCount; ++u)
       for (const Step &step : plan_.units[static_cast<std::size_t>(u)].steps)
         noteUses(step, u, lastUse);
-    std::vector<std::vector<int>> freed(static_cast<std::size_t>(unitCount) + 1);
-    std::vector<int> free;
-    std::vector<std::pair<NodeId, int>> assigned;
+    std::vector<std::vector<Slot>> freed(static_cast<std::size_t>(unitCount) + 1);
+    std::vector<int> free[2];  // of the numbers, of the rows
+    int *const counts[2] = {&plan_.slotCount, &plan_.sweptSlotCount};
+    std::vector<std::pair<NodeId, Slot>> assigned;
     for (int u = 0; u < unitCount; ++u) {
-      for (const int slot : freed[static_cast<std::size_t>(u)])
-        free.push_back(slot);
+      for (const Slot slot : freed[static_cast<std::size_t>(u)])
+        free[slot.isSwept ? 1 : 0].push_back(slot.index);
       for (const Step &step : plan_.units[static_cast<std::size_t>(u)].steps) {
         if (step.kind != Step::Kind::Evaluate || lastUse[position(step.node)] <= u)
           continue;
-        const int slot = free.empty() ? plan_.slotCount++ : free.back();
-        if (!free.empty())
-          free.pop_back();
+        const std::size_t pool = isSwept_[position(step.node)] != 0 ? 1 : 0;
+        const Slot slot{free[pool].empty() ? (*counts[pool])++ : free[pool].back(), pool == 1};
+        if (!free[pool].empty())
+          free[pool].pop_back();
         assigned.emplace_back(step.node, slot);
         freed[static_cast<std::size_t>(lastUse[position(step.node)]) + 1].push_back(slot);
       }
     }
-    std::sort(assigned.begin(), assigned.end());
+    std::sort(assigned.begin(), assigned.end(), [](const auto &a, const auto &b) { return a.first < b.first; });
     for (const auto &[node, slot] : assigned) {
       plan_.slotNodes.push_back(node);
       plan_.slots.push_back(slot);
@@ -205,13 +237,18 @@ private:
   }
 
   void noteUses(const Step &step, int unit, std::vector<int> &lastUse) {
-    if (step.kind == Step::Kind::Store)
-      lastUse[position(step.node)] = unit;
+    const bool isInLoop = plan_.units[static_cast<std::size_t>(unit)].isSwept;
+    const auto use = [&](NodeId id) {
+      const bool isFromOutside = isInLoop && isSwept_[position(id)] == 0;
+      lastUse[position(id)] = isFromOutside ? static_cast<int>(plan_.units.size()) - 1 : unit;
+    };
+    if (step.kind == Step::Kind::Store || step.kind == Step::Kind::Result)
+      use(step.node);
     if (step.kind != Step::Kind::Evaluate)
       return;
     const ir::Node &node = graph_[step.node];
     for (int j = 0; j < node.arity; ++j)
-      lastUse[position(node.operands[j])] = unit;
+      use(node.operands[j]);
   }
 
   const ir::Function &function_;
@@ -219,6 +256,7 @@ private:
   int largestUnit_;
   ir::Subgraph reached_;
   std::vector<int> homes_;
+  std::vector<char> isSwept_;  // depends on seeds
   std::vector<char> done_;
   std::vector<Unit> regions_;
   std::unordered_map<NodeId, NodeId> partners_;
@@ -227,9 +265,9 @@ private:
 
 }  // namespace
 
-int CodePlan::slotOf(ir::NodeId node) const {
+Slot CodePlan::slotOf(ir::NodeId node) const {
   const auto found = std::lower_bound(slotNodes.begin(), slotNodes.end(), node);
-  return found != slotNodes.end() && *found == node ? slots[static_cast<std::size_t>(found - slotNodes.begin())] : -1;
+  return found != slotNodes.end() && *found == node ? slots[static_cast<std::size_t>(found - slotNodes.begin())] : Slot{};
 }
 
 CodePlan planCode(const ir::Function &function, const ir::Graph &graph, int largestUnit) {

@@ -46,8 +46,9 @@ Argument argumentOf(ir::SymbolKind kind) {
     return {TF_IN_MULTIPLIER, "multiplier"};
   case ir::SymbolKind::StateDerivative:
     return {TF_IN_ZDOT, "zdot"};
-  case ir::SymbolKind::Unknown:
-    break;  // of equations that are being solved; a system has none
+  case ir::SymbolKind::Seed:     // a row of the sweep's frame
+  case ir::SymbolKind::Unknown:  // of equations that are being solved; a system has none
+    break;
   }
   assert(false && "not an argument of generated functions");
   return {0, ""};
@@ -106,7 +107,7 @@ llvm::Value *ExpressionEmitter::bit(ir::NodeId id) {
 }
 
 llvm::Value *ExpressionEmitter::invariantLoad(llvm::Type *type, llvm::Value *address, const llvm::Twine &name) {
-  llvm::LoadInst *load = builder_.CreateAlignedLoad(type, address, llvm::Align(8), name);
+  llvm::LoadInst *load = builder_.CreateAlignedLoad(type, address, type->isVectorTy() ? rowAlignment() : llvm::Align(8), name);
   llvm::MDNode *mark = llvm::MDNode::get(builder_.getContext(), {});
   load->setMetadata(llvm::LLVMContext::MD_invariant_load, mark);
   load->setMetadata(llvm::LLVMContext::MD_noundef, mark);
@@ -125,7 +126,13 @@ llvm::Value *ExpressionEmitter::array(int index) {
   return pointer;
 }
 
+llvm::Value *ExpressionEmitter::rowAddress(int row) {
+  return builder_.CreateConstInBoundsGEP1_32(rowType(), frame_, static_cast<unsigned>(row));
+}
+
 llvm::Value *ExpressionEmitter::load(ir::Symbol symbol) {
+  if (symbol.kind == ir::SymbolKind::Seed)
+    return builder_.CreateAlignedLoad(rowType(), rowAddress(symbol.index), rowAlignment());
   const auto [index, name] = argumentOf(symbol.kind);
   llvm::Value *address = builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), array(index), static_cast<unsigned>(symbol.index));
   return invariantLoad(builder_.getDoubleTy(), address, symbol.kind == ir::SymbolKind::Time ? name : name + llvm::Twine(symbol.index));
@@ -136,8 +143,20 @@ void ExpressionEmitter::evaluate(ir::NodeId id) {
   for (int k = 0; k < node.arity; ++k)  // loads in the order of the operands, whatever the order of evaluation of arguments in C++
     if (graph_[node.operands[k]].op == Op::Symbol)
       static_cast<void>(number(node.operands[k]));
+  isWide_ = false;
+  for (int k = 0; k < node.arity; ++k)
+    if (const Value *operand = find(node.operands[k]); operand != nullptr && operand->number != nullptr)
+      isWide_ = isWide_ || operand->number->getType()->isVectorTy();
   const Value value = emit(node);
+  isWide_ = false;
   scopes_.back().values[id] = value;
+}
+
+llvm::Value *ExpressionEmitter::widened(double value) { return llvm::ConstantFP::get(isWide_ ? rowType() : builder_.getDoubleTy(), value); }
+
+llvm::Value *ExpressionEmitter::operand(ir::NodeId id) {
+  llvm::Value *value = number(id);
+  return isWide_ && !value->getType()->isVectorTy() ? builder_.CreateVectorSplat(sweepLanes, value) : value;
 }
 
 Value ExpressionEmitter::emit(const ir::Node &node) {
@@ -180,24 +199,24 @@ llvm::Value *ExpressionEmitter::emitChoice(const ir::Node &node) {
   const ir::NodeId *x = node.operands;
   switch (node.op) {
   case Op::IfElse:
-    return builder_.CreateSelect(bit(x[0]), number(x[1]), number(x[2]));
+    return builder_.CreateSelect(bit(x[0]), operand(x[1]), operand(x[2]));
   case Op::Min:
-    return builder_.CreateSelect(builder_.CreateFCmpOLT(number(x[1]), number(x[0])), number(x[1]), number(x[0]));
+    return builder_.CreateSelect(builder_.CreateFCmpOLT(operand(x[1]), operand(x[0])), operand(x[1]), operand(x[0]));
   case Op::Max:
-    return builder_.CreateSelect(builder_.CreateFCmpOGT(number(x[1]), number(x[0])), number(x[1]), number(x[0]));
+    return builder_.CreateSelect(builder_.CreateFCmpOGT(operand(x[1]), operand(x[0])), operand(x[1]), operand(x[0]));
   case Op::Sign: {
-    llvm::Value *zero = literal(0);
-    llvm::Value *negative = builder_.CreateSelect(builder_.CreateFCmpOLT(number(x[0]), zero), literal(-1), zero);
-    return builder_.CreateSelect(builder_.CreateFCmpOGT(number(x[0]), zero), literal(1), negative);
+    llvm::Value *zero = widened(0);
+    llvm::Value *negative = builder_.CreateSelect(builder_.CreateFCmpOLT(operand(x[0]), zero), widened(-1), zero);
+    return builder_.CreateSelect(builder_.CreateFCmpOGT(operand(x[0]), zero), widened(1), negative);
   }
   default: {  // Select: alpha = 1, alpha = 0, between
-    llvm::Value *alpha = number(x[0]);
-    llvm::Value *one = literal(1);
-    llvm::Value *first = builder_.CreateFMul(alpha, number(x[1]));
-    llvm::Value *second = builder_.CreateFMul(builder_.CreateFSub(one, alpha), number(x[2]));
+    llvm::Value *alpha = operand(x[0]);
+    llvm::Value *one = widened(1);
+    llvm::Value *first = builder_.CreateFMul(alpha, operand(x[1]));
+    llvm::Value *second = builder_.CreateFMul(builder_.CreateFSub(one, alpha), operand(x[2]));
     llvm::Value *blend = builder_.CreateFAdd(first, second);
-    llvm::Value *lower = builder_.CreateSelect(builder_.CreateFCmpOEQ(alpha, literal(0)), number(x[2]), blend);
-    return builder_.CreateSelect(builder_.CreateFCmpOEQ(alpha, one), number(x[1]), lower);
+    llvm::Value *lower = builder_.CreateSelect(builder_.CreateFCmpOEQ(alpha, widened(0)), operand(x[2]), blend);
+    return builder_.CreateSelect(builder_.CreateFCmpOEQ(alpha, one), operand(x[1]), lower);
   }
   }
 }
@@ -221,8 +240,8 @@ llvm::Value *ExpressionEmitter::emitPower(const ir::Node &node) {
 }
 
 llvm::Value *ExpressionEmitter::emitArithmetic(const ir::Node &node) {
-  const auto a = [&] { return number(node.operands[0]); };
-  const auto b = [&] { return number(node.operands[1]); };
+  const auto a = [&] { return operand(node.operands[0]); };
+  const auto b = [&] { return operand(node.operands[1]); };
   const auto intrinsic = [&](llvm::Intrinsic::ID id) { return builder_.CreateUnaryIntrinsic(id, a()); };
   switch (node.op) {
   case Op::Neg:

@@ -12,8 +12,11 @@
 
 namespace tf::codegen {
 
-// A node's value as a number and, for Booleans, as a bit; made from one another when first needed, so that conditions made of relations
-// never become numbers.
+// Directions that a sweep's loop follows at once: what depends on seeds is a vector of so many numbers.
+inline constexpr unsigned sweepLanes = 4;
+
+// A node's value as a number (of a node that depends on seeds, a vector) and, for Booleans, as a bit; made from one another when first
+// needed, so that conditions made of relations never become numbers.
 struct Value {
   llvm::Value *number = nullptr;
   llvm::Value *bit = nullptr;
@@ -28,6 +31,11 @@ public:
 
   // Evaluates an operation whose operands have values (constants and symbols are supplied).
   void evaluate(ir::NodeId id);
+  // The rows of the sweep's frame: vectors; those of the seeds come first.
+  void setFrame(llvm::Value *frame) { frame_ = frame; }
+  [[nodiscard]] llvm::Value *rowAddress(int row);
+  [[nodiscard]] llvm::Type *rowType() { return llvm::FixedVectorType::get(builder_.getDoubleTy(), sweepLanes); }
+  [[nodiscard]] static llvm::Align rowAlignment() { return llvm::Align(sweepLanes * sizeof(double)); }
   void define(ir::NodeId id, llvm::Value *number) { scopes_.back().values[id].number = number; }
   [[nodiscard]] llvm::Value *number(ir::NodeId id);
   // A load that may be moved and repeated: nothing writes there while the function runs.
@@ -44,6 +52,9 @@ private:
 
   [[nodiscard]] Value *find(ir::NodeId id);
   llvm::Value *bit(ir::NodeId id);
+  // An operand of the operation that is being emitted, and a constant, as vectors where one of the operands is.
+  llvm::Value *operand(ir::NodeId id);
+  llvm::Value *widened(double value);
   llvm::Value *load(ir::Symbol symbol);
   llvm::Value *array(int index);
   Value emit(const ir::Node &node);
@@ -57,6 +68,8 @@ private:
   const ir::Graph &graph_;
   llvm::IRBuilder<> &builder_;
   llvm::Value *inputs_;
+  llvm::Value *frame_ = nullptr;
+  bool isWide_ = false;  // the operation that is being emitted has vectors as operands
   std::vector<Scope> scopes_;
 };
 

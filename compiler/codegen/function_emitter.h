@@ -1,4 +1,4 @@
-// LLVM IR of one ir::Function: straight-line code by units, guards as branches on the mask.
+// LLVM IR of one ir::Function: straight-line code by units, guards as branches on the mask, a sweep as a loop.
 #pragma once
 
 #include "compiler/codegen/code_plan.h"

@@ -33,10 +33,8 @@ int bindingDepth(const HybridSystem &system) {
 }
 
 bool massIsConstant(const HybridSystem &system) {
-  const auto symbols = ir::dependencies(system.graph, system.mass);
-  return std::all_of(symbols.begin(), symbols.end(), [](const std::vector<ir::Symbol> &entry) {
-    return std::all_of(entry.begin(), entry.end(), [](ir::Symbol symbol) { return symbol.kind == ir::SymbolKind::Parameter; });
-  });
+  const auto varies = [](ir::Symbol symbol) { return symbol.kind != ir::SymbolKind::Parameter && symbol.kind != ir::SymbolKind::Seed; };
+  return !ir::dependsOn(system.graph, system.massProduct.empty() ? system.mass : system.massProduct, varies);
 }
 
 }  // namespace tf::codegen

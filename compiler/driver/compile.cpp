@@ -58,10 +58,11 @@ std::string code(HybridSystem &system, const CompileOptions &options, EmitKind k
 std::string form(HybridSystem &system, const CompileOptions &options, Session &session) {
   if (const auto kind = codeKind(options.emit))
     return code(system, options, *kind, session);
-  if (options.emit == Emit::Cls)
-    return print(system);
   if (options.emit == Emit::Header)
     return emitHeader(system);
+  writeOutMatrices(system);
+  if (options.emit == Emit::Cls)
+    return print(system);
   const filippov::FilippovSystem frozen = filippov::timeFreezing(system);
   if (options.emit == Emit::Pss)
     return printPiecewise(frozen, system);

@@ -3,6 +3,7 @@
 
 #include "compiler/ir/graph.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,13 +17,49 @@ struct Store {
   int group = -1;
 };
 
+// out[buffer][position … position + length − 1] = 0 where mask[group] != 0, before anything else is stored there.
+struct Clear {
+  int buffer = 0;
+  int position = 0;
+  int length = 0;
+  int group = -1;
+};
+
+// A matrix by a loop over directions instead of an expression for each entry: code of the size of one directional derivative, whatever the
+// number of entries. The results are linear in the symbols Seed 0 … seedCount − 1. They are evaluated once for each colour, with the seeds
+// of that colour 1 and all others 0, and stored by the colour's runs (Curtis, Powell, Reid, On the estimation of sparse Jacobian matrices,
+// 1974). Seeds of one colour have no result in common, so that each result is an entry of the matrix.
+struct Sweep {
+  struct Result {
+    NodeId node = -1;
+    int group = -1;  // evaluated and stored where mask[group] != 0
+  };
+  // out[buffer][position + k·stride] = results[first + k] for k < count, where mask[group] != 0.
+  struct Run {
+    int first = 0, count = 0;
+    int buffer = 0, position = 0, stride = 1;
+    int group = -1;
+    bool operator==(const Run &) const = default;
+  };
+  struct Colour {
+    std::vector<int> seeds;
+    std::vector<Run> runs;
+  };
+  int seedCount = 0;
+  std::vector<Result> results;
+  std::vector<Colour> colours;
+};
+
 // Contract: nodes are roots in the graph passed beside it; every position of a buffer is stored at most once; groups are numbered from 0
-// below `groups`. Nodes reachable from stores of one group only are evaluated under its guard; those of several groups, always.
+// below `groups`. Nodes reachable from stores of one group only are evaluated under its guard; those of several groups, always. Stores do
+// not depend on seeds.
 struct Function {
   std::string name;
   std::vector<int> bufferSizes;
   int groups = 0;
   std::vector<Store> stores;
+  std::vector<Clear> clears{};
+  std::optional<Sweep> sweep{};
 };
 
 // Readable listing of definitions and stores.

@@ -32,6 +32,7 @@ enum class SymbolKind : std::uint8_t {
   TangentForce,
   Multiplier,
   StateDerivative,
+  Seed,     // component of the direction in which a sweep goes (function.h); occurs in what is linear in the seeds
   Unknown,  // a variable that an equation is yet to be solved for; occurs in no HybridSystem
 };
 
@@ -146,10 +147,14 @@ private:
 // Symbols that each root depends on, sorted, without repetition (sparsity).
 [[nodiscard]] std::vector<std::vector<Symbol>> dependencies(const Graph &graph, std::span<const NodeId> roots);
 [[nodiscard]] bool dependsOn(const Graph &graph, NodeId root, const std::function<bool(Symbol)> &predicate);
+// Whether one of the roots does: one pass over what they reach.
+[[nodiscard]] bool dependsOn(const Graph &graph, std::span<const NodeId> roots, const std::function<bool(Symbol)> &predicate);
 
 // Numerical value of the roots (tests, constant starts). Reference semantics of the operations for every back end.
 [[nodiscard]] std::vector<double> evaluate(const Graph &graph, std::span<const NodeId> roots, const std::function<double(Symbol)> &value);
 [[nodiscard]] double applyOperation(Op op, std::span<const double> operands);
+// As evaluate() does: with constant integer powers multiplied out.
+[[nodiscard]] double applyNode(const Graph &graph, const Node &node, std::span<const double> operands);
 
 // Infix text with as few parentheses as the meaning needs; names of symbols by `name`. Where sharing would make the text much longer than
 // the graph, shared subexpressions are named: "t7*t7 where t7 = sin(x)".

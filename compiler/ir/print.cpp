@@ -364,6 +364,9 @@ std::string print(const Function &function, const Graph &graph, const SymbolName
   std::vector<NodeId> roots;
   for (const Store &store : function.stores)
     roots.push_back(store.node);
+  if (function.sweep)
+    for (const Sweep::Result &result : function.sweep->results)
+      roots.push_back(result.node);
   const Subgraph reached(graph, roots);
   const Names names = nameShared(graph, reached, roots);
   Printer printer(graph, name, names);
@@ -374,6 +377,9 @@ std::string print(const Function &function, const Graph &graph, const SymbolName
     const std::string guard = store.group < 0 ? "" : fmt::format("  if mask[{}]", store.group);
     text += fmt::format("  out[{}][{}] = {}{}\n", store.buffer, store.position, printer.text(store.node), guard);
   }
+  if (function.sweep)
+    for (std::size_t k = 0; k < function.sweep->results.size(); ++k)
+      text += fmt::format("  result[{}] = {}\n", k, printer.text(function.sweep->results[k].node));
   return text;
 }
 

@@ -69,9 +69,18 @@ std::vector<std::vector<Symbol>> dependencies(const Graph &graph, std::span<cons
 }
 
 bool dependsOn(const Graph &graph, NodeId root, const std::function<bool(Symbol)> &predicate) {
-  const Subgraph reached(graph, std::array{root});
+  return dependsOn(graph, std::array{root}, predicate);
+}
+
+bool dependsOn(const Graph &graph, std::span<const NodeId> roots, const std::function<bool(Symbol)> &predicate) {
+  const Subgraph reached(graph, roots);
   return std::any_of(reached.nodes().begin(), reached.nodes().end(),
                      [&](NodeId id) { return graph[id].op == Op::Symbol && predicate(graph[id].symbol); });
+}
+
+double applyNode(const Graph &graph, const Node &node, std::span<const double> operands) {
+  const auto exponent = node.op == Op::Pow ? multipliedExponent(graph, node.operands[1]) : std::nullopt;
+  return exponent ? integerPower(operands[0], *exponent) : applyOperation(node.op, operands);
 }
 
 std::vector<double> evaluate(const Graph &graph, std::span<const NodeId> roots, const std::function<double(Symbol)> &value) {
@@ -88,8 +97,7 @@ std::vector<double> evaluate(const Graph &graph, std::span<const NodeId> roots, 
       double operands[3] = {};
       for (int j = 0; j < node.arity; ++j)
         operands[j] = valueOf(node.operands[j]);
-      const auto exponent = node.op == Op::Pow ? multipliedExponent(graph, node.operands[1]) : std::nullopt;
-      values[k] = exponent ? integerPower(operands[0], *exponent) : applyOperation(node.op, std::span(operands, node.arity));
+      values[k] = applyNode(graph, node, std::span(operands, node.arity));
     }
   }
   std::vector<double> result;

@@ -6,6 +6,8 @@
 #include <bit>
 #include <set>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 namespace tf::ir {
 
@@ -29,22 +31,73 @@ std::string verify(const Graph &graph) {
   return {};
 }
 
-std::string verify(const Function &function, const Graph &graph) {
-  std::set<std::pair<int, int>> stored;
-  for (const Store &store : function.stores) {
-    const auto where = [&] { return fmt::format("{}: out[{}][{}]", function.name, store.buffer, store.position); };
-    if (store.buffer < 0 || store.buffer >= static_cast<int>(function.bufferSizes.size()))
-      return where() + ": there is no such buffer";
-    if (store.position < 0 || store.position >= function.bufferSizes[static_cast<std::size_t>(store.buffer)])
-      return where() + ": beyond the buffer's end";
-    if (store.node < 0 || store.node >= graph.size())
-      return fmt::format("{}: there is no node {}", where(), store.node);
-    if (store.group < -1 || store.group >= function.groups)
-      return fmt::format("{}: there is no group {}", where(), store.group);
-    if (!stored.emplace(store.buffer, store.position).second)
-      return where() + ": stored twice";
+namespace {
+
+// What is wrong with a place out[buffer][position] and a group; empty if nothing.
+std::string wrongPlace(const Function &function, int buffer, int position, int group) {
+  const auto where = [&] { return fmt::format("{}: out[{}][{}]", function.name, buffer, position); };
+  if (buffer < 0 || buffer >= static_cast<int>(function.bufferSizes.size()))
+    return where() + ": there is no such buffer";
+  if (position < 0 || position >= function.bufferSizes[static_cast<std::size_t>(buffer)])
+    return where() + ": beyond the buffer's end";
+  if (group < -1 || group >= function.groups)
+    return fmt::format("{}: there is no group {}", where(), group);
+  return {};
+}
+
+std::string verifyRun(const Function &function, const Sweep::Run &run, std::set<std::pair<int, int>> &stored) {
+  if (run.count < 1 || run.first < 0 || run.first + run.count > static_cast<int>(function.sweep->results.size()))
+    return fmt::format("{}: there are no results {} to {}", function.name, run.first, run.first + run.count - 1);
+  for (int k = 0; k < run.count; ++k) {
+    const int position = run.position + k * run.stride;
+    if (std::string wrong = wrongPlace(function, run.buffer, position, run.group); !wrong.empty())
+      return wrong;
+    if (!stored.emplace(run.buffer, position).second)
+      return fmt::format("{}: out[{}][{}]: stored twice", function.name, run.buffer, position);
   }
   return {};
+}
+
+std::string verifySweep(const Function &function, const Graph &graph, std::set<std::pair<int, int>> &stored) {
+  const Sweep &sweep = *function.sweep;
+  for (const Sweep::Result &result : sweep.results) {
+    if (result.node < 0 || result.node >= graph.size())
+      return fmt::format("{}: there is no node {}", function.name, result.node);
+    if (result.group < -1 || result.group >= function.groups)
+      return fmt::format("{}: there is no group {}", function.name, result.group);
+  }
+  for (const Sweep::Colour &colour : sweep.colours) {
+    for (const int seed : colour.seeds)
+      if (seed < 0 || seed >= sweep.seedCount)
+        return fmt::format("{}: there is no seed {}", function.name, seed);
+    for (const Sweep::Run &run : colour.runs)
+      if (std::string wrong = verifyRun(function, run, stored); !wrong.empty())
+        return wrong;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string verify(const Function &function, const Graph &graph) {
+  std::set<std::pair<int, int>> stored;
+  std::vector<NodeId> nodes;
+  for (const Store &store : function.stores) {
+    if (std::string wrong = wrongPlace(function, store.buffer, store.position, store.group); !wrong.empty())
+      return wrong;
+    if (store.node < 0 || store.node >= graph.size())
+      return fmt::format("{}: out[{}][{}]: there is no node {}", function.name, store.buffer, store.position, store.node);
+    if (!stored.emplace(store.buffer, store.position).second)
+      return fmt::format("{}: out[{}][{}]: stored twice", function.name, store.buffer, store.position);
+    nodes.push_back(store.node);
+  }
+  if (dependsOn(graph, nodes, [](Symbol symbol) { return symbol.kind == SymbolKind::Seed; }))
+    return fmt::format("{}: a store depends on a seed", function.name);
+  for (const Clear &clear : function.clears)
+    for (const int position : {clear.position, clear.position + clear.length - 1})
+      if (std::string wrong = wrongPlace(function, clear.buffer, position, clear.group); !wrong.empty())
+        return wrong;
+  return function.sweep ? verifySweep(function, graph, stored) : std::string{};
 }
 
 }  // namespace tf::ir

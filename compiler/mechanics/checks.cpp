@@ -223,7 +223,10 @@ bool checkElements(Derivation &derivation) {
 bool checkContacts(Derivation &derivation) {
   const HybridSystem &system = derivation.system;
   const ir::Graph &graph = system.graph;
-  const auto isZero = [&](NodeId node) { return graph.isConstant(node, 0); };
+  // Rows that are not written out have been found to be otherwise.
+  const auto isZero = [&](const std::vector<NodeId> &row) {
+    return !row.empty() && std::ranges::all_of(row, [&](NodeId node) { return graph.isConstant(node, 0); });
+  };
   const auto spanOf = [&](const ElementEntry &entry, const char *attribute) {
     return derivation.model.elements[static_cast<std::size_t>(entry.element)].find(attribute)->value->span;
   };
@@ -231,7 +234,7 @@ bool checkContacts(Derivation &derivation) {
   const auto checkSlip = [&](const ElementEntry &entry, int first, std::size_t count) {
     for (std::size_t k = 0; k < count; ++k) {
       const std::vector<NodeId> &row = system.tangents[static_cast<std::size_t>(first) + k].jacobian;
-      if (std::ranges::all_of(row, isZero))
+      if (isZero(row))
         derivation.diagnostics.report(diag::ImmovableSlip, spanOf(entry, "slip"), entry.name);
       for (const NodeId node : row)
         if (ir::dependsOn(graph, node, [](Symbol s) { return s.kind == SymbolKind::Velocity; }))
@@ -240,7 +243,7 @@ bool checkContacts(Derivation &derivation) {
   };
   for (std::size_t k = 0; k < system.contacts.size(); ++k) {
     const ContactEntry &entry = derivation.elements.contacts[k];
-    if (std::ranges::all_of(system.contacts[k].normal, isZero))
+    if (isZero(system.contacts[k].normal))
       derivation.diagnostics.report(diag::ImmovableGap, spanOf(entry, "gap"), entry.name);
     if (graph[entry.law].op != ir::Op::Constant)
       derivation.diagnostics.report(diag::VaryingLaw, spanOf(entry, "law"), entry.name);

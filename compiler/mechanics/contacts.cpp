@@ -1,4 +1,5 @@
 // Contacts and friction elements: rates, Jacobians with respect to the velocities and bias terms, with every ∂/∂t (moving ground, belts).
+#include "compiler/ir/sweep.h"
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
@@ -10,9 +11,18 @@ using ir::SymbolKind;
 
 namespace {
 
+// Empty if the matrix is.
 std::vector<NodeId> row(const std::vector<NodeId> &matrix, std::size_t index, std::size_t columns) {
+  if (matrix.empty())
+    return {};
   const auto first = matrix.begin() + static_cast<std::ptrdiff_t>(index * columns);
   return {first, first + static_cast<std::ptrdiff_t>(columns)};
+}
+
+// So few entries of Jn and Jt that they are written out in any case.
+bool areFew(const Derivation &derivation) {
+  const std::size_t rows = derivation.elements.contacts.size() + static_cast<std::size_t>(derivation.elements.tangents);
+  return rows * static_cast<std::size_t>(derivation.system.nv) <= fewRowEntries;
 }
 
 void deriveTangents(Derivation &derivation) {
@@ -25,10 +35,35 @@ void deriveTangents(Derivation &derivation) {
   for (const FrictionEntry &friction : derivation.elements.frictions)
     collect(friction.slip, friction.tangentFirst);
   const auto columns = static_cast<std::size_t>(system.nv);
-  const std::vector<NodeId> jacobian = ir::jacobian(graph, slips, symbols(graph, SymbolKind::Velocity, system.nv));
+  const std::vector<NodeId> jacobian =
+      areFew(derivation) ? ir::jacobian(graph, slips, symbols(graph, SymbolKind::Velocity, system.nv)) : std::vector<NodeId>{};
   const std::vector<NodeId> bias = timeDerivative(system, slips, AlongMotion::WithoutAcceleration);
   for (std::size_t k = 0; k < slips.size(); ++k)
     system.tangents.push_back({slips[k], bias[k], row(jacobian, k, columns)});
+}
+
+// Jnᵀ sn + Jtᵀ st = ∂(snᵀ gap' + stᵀ slip)/∂v if it is of less code than the rows; they are then known to be non-zero and not to depend on
+// velocities.
+std::vector<NodeId> contactForce(HybridSystem &system) {
+  ir::Graph &graph = system.graph;
+  std::vector<NodeId> rates;
+  for (const Contact &contact : system.contacts)
+    rates.push_back(contact.gapRate);
+  for (const TangentRow &tangent : system.tangents)
+    rates.push_back(tangent.slip);
+  const auto count = static_cast<int>(rates.size());
+  const std::vector<NodeId> force =
+      ir::reverseDerivative(graph, rates, symbols(graph, SymbolKind::Seed, count), symbols(graph, SymbolKind::Velocity, system.nv));
+  const std::vector<std::vector<int>> structure = ir::seedStructure(graph, force, count);
+  std::vector<char> moves(rates.size(), 0);
+  for (const std::vector<int> &seeds : structure)
+    for (const int seed : seeds)
+      moves[static_cast<std::size_t>(seed)] = 1;
+  const auto isVelocity = [](ir::Symbol symbol) { return symbol.kind == SymbolKind::Velocity; };
+  if (std::ranges::count(moves, 0) > 0 || ir::dependsOn(graph, force, isVelocity) ||
+      !ir::isSweepSmaller(graph, force, structure, fewRowEntries))
+    return {};
+  return force;
 }
 
 // True if no --set can change the value: it follows from constants, final and structural parameters.
@@ -61,6 +96,22 @@ int lawOf(const Derivation &derivation, const ContactEntry &entry) {
 
 }  // namespace
 
+void writeOutRows(HybridSystem &system) {
+  std::vector<NodeId> rates, slips;
+  for (const Contact &contact : system.contacts)
+    rates.push_back(contact.gapRate);
+  for (const TangentRow &tangent : system.tangents)
+    slips.push_back(tangent.slip);
+  const auto columns = static_cast<std::size_t>(system.nv);
+  const std::vector<NodeId> velocities = symbols(system.graph, SymbolKind::Velocity, system.nv);
+  const std::vector<NodeId> normals = ir::jacobian(system.graph, rates, velocities);
+  const std::vector<NodeId> tangents = ir::jacobian(system.graph, slips, velocities);
+  for (std::size_t k = 0; k < rates.size(); ++k)
+    system.contacts[k].normal = row(normals, k, columns);
+  for (std::size_t k = 0; k < slips.size(); ++k)
+    system.tangents[k].jacobian = row(tangents, k, columns);
+}
+
 void deriveContacts(Derivation &derivation) {
   HybridSystem &system = derivation.system;
   ir::Graph &graph = system.graph;
@@ -71,7 +122,8 @@ void deriveContacts(Derivation &derivation) {
     gaps.push_back(entry.gap);
   const auto columns = static_cast<std::size_t>(system.nv);
   const std::vector<NodeId> rates = timeDerivative(system, gaps, AlongMotion::WithoutAcceleration);
-  const std::vector<NodeId> normals = ir::jacobian(graph, rates, symbols(graph, SymbolKind::Velocity, system.nv));
+  const std::vector<NodeId> normals =
+      areFew(derivation) ? ir::jacobian(graph, rates, symbols(graph, SymbolKind::Velocity, system.nv)) : std::vector<NodeId>{};
   const std::vector<NodeId> biases = timeDerivative(system, rates, AlongMotion::WithoutAcceleration);
   for (std::size_t k = 0; k < gaps.size(); ++k) {
     ContactEntry &entry = derivation.elements.contacts[k];
@@ -95,6 +147,11 @@ void deriveContacts(Derivation &derivation) {
   for (const FrictionEntry &entry : derivation.elements.frictions)
     system.frictions.push_back({entry.name, derivation.model.elements[static_cast<std::size_t>(entry.element)].span, entry.tangentFirst,
                                 static_cast<int>(entry.slip.size()), entry.bound});
+  if (areFew(derivation))
+    return;
+  system.contactForce = contactForce(system);
+  if (system.contactForce.empty())
+    writeOutRows(system);
 }
 
 }  // namespace tf::mechanics

@@ -58,6 +58,10 @@ struct Inertial {
 // What inertia and gravity do along the rates: m (g − p''), and −(I ω' + ω × I ω) in the body's frame (Euler).
 [[nodiscard]] std::vector<ir::NodeId> inertialForce(ir::Graph &graph, const Inertial &one, std::span<const ir::NodeId> acceleration);
 
+// M and derivatives of at most so many entries are always written out: straight-line code is the fastest while it is small. Entries of
+// contacts' rows are shorter, and evaluated for closed contacts only.
+inline constexpr std::size_t fewEntries = 1000, fewRowEntries = 4000;
+
 // M, f and the residual M v' − f − Jᵀλ.
 void deriveDynamics(Derivation &derivation);
 void deriveEnergies(Derivation &derivation);
@@ -65,6 +69,8 @@ void deriveEnergies(Derivation &derivation);
 void deriveConstraints(Derivation &derivation);
 // Gaps, slips, their rates, Jacobians and bias terms.
 void deriveContacts(Derivation &derivation);
+// Jn = ∂gap'/∂v and Jt = ∂slip/∂v of all contacts and tangential rows.
+void writeOutRows(HybridSystem &system);
 
 // What attributes may depend on, smoothness, affinity, coordinates without inertia; false after errors (reported).
 [[nodiscard]] bool checkElements(Derivation &derivation);

@@ -2,6 +2,7 @@
 // that is affine in the velocities, w = J v + w_t: of a place p its time derivative, of a rotation its angular velocity. A force F along w
 // makes the generalised force Jᵀ F = ∂(F·w)/∂v, one reverse sweep over the rates of the whole system. So Christoffel symbols never appear,
 // and quasi-velocities (angular velocities) need nothing of their own.
+#include "compiler/ir/sweep.h"
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
@@ -82,6 +83,14 @@ void deriveMass(HybridSystem &system, const std::vector<Inertial> &inertials) {
   }
 }
 
+// M s = ∂(M v')/∂v' · s out of the residual.
+std::vector<NodeId> massProduct(HybridSystem &system) {
+  ir::Graph &graph = system.graph;
+  return ir::forwardDerivative(graph, system.residual, [&](ir::Symbol symbol) {
+    return symbol.kind == SymbolKind::Acceleration ? graph.symbol(SymbolKind::Seed, symbol.index) : graph.constant(0);
+  });
+}
+
 // M v' − f − Jnᵀ λn − Jtᵀ λt − Hᵀ ν as one sweep over full accelerations: cheaper to differentiate than M and f.
 void deriveResidual(const Derivation &derivation, const std::vector<Inertial> &inertials) {
   HybridSystem &system = derivation.system;
@@ -113,10 +122,34 @@ void deriveDynamics(Derivation &derivation) {
   std::vector<Inertial> all;
   for (const BodyEntry &body : derivation.elements.bodies)
     std::ranges::move(inertials(derivation, body), std::back_inserter(all));
-  deriveMass(system, all);
+  const auto entries = static_cast<std::size_t>(system.nv) * static_cast<std::size_t>(system.nv);
+  if (entries <= fewEntries)
+    deriveMass(system, all);
   const std::vector<NodeId> accelerations = timeDerivative(system, allRates(all), AlongMotion::WithoutAcceleration);
   system.force = forcesAgainst(derivation, all, accelerations).sweep(system);
   deriveResidual(derivation, all);
+  if (entries <= fewEntries)
+    return;
+  system.massProduct = massProduct(system);
+  if (!ir::isSweepSmaller(system.graph, system.massProduct, ir::seedStructure(system.graph, system.massProduct, system.nv), fewEntries)) {
+    deriveMass(system, all);
+    system.massProduct.clear();
+  }
 }
 
 }  // namespace tf::mechanics
+
+namespace tf {
+
+void writeOutMatrices(HybridSystem &system) {
+  if (!system.massProduct.empty()) {
+    system.mass = ir::jacobian(system.graph, system.massProduct, mechanics::symbols(system.graph, ir::SymbolKind::Seed, system.nv));
+    system.massProduct.clear();
+  }
+  if (!system.contactForce.empty()) {
+    mechanics::writeOutRows(system);
+    system.contactForce.clear();
+  }
+}
+
+}  // namespace tf

@@ -36,14 +36,14 @@ struct Alias {
 
 struct TangentRow {
   ir::NodeId slip = -1, bias = -1;   // slip' = jacobian · v' + bias
-  std::vector<ir::NodeId> jacobian;  // [nv]
+  std::vector<ir::NodeId> jacobian;  // [nv], or empty: see HybridSystem::contactForce
 };
 
 struct Contact {
   std::string name;
   Span span;
   ir::NodeId gap = -1, gapRate = -1, bias = -1;  // gap'' = normal · v' + bias
-  std::vector<ir::NodeId> normal;                // [nv]
+  std::vector<ir::NodeId> normal;                // [nv], or empty: see HybridSystem::contactForce
   int tangentFirst = 0, tangentCount = 0;        // rows in HybridSystem::tangents
   ir::NodeId friction = -1, restitution = -1, rate = -1;
   int law = 0;  // enum tf_impact_law
@@ -91,7 +91,9 @@ struct HybridSystem {
   std::vector<ir::NodeId> parameterBindings;  // [np], −1 where free
   std::vector<ir::NodeId> coordinateStarts, velocityStarts, stateStarts, inputStarts;
 
-  std::vector<ir::NodeId> mass;              // [nv × nv]
+  std::vector<ir::NodeId> mass;              // [nv × nv]; empty where its entries would be many: see massProduct
+  std::vector<ir::NodeId> massProduct;       // [nv] M s, s the symbols Seed; empty where `mass` is not
+  std::vector<ir::NodeId> contactForce;      // [nv] Jnᵀ sn + Jtᵀ st, s = (sn, st) the symbols Seed; empty where the rows are written out
   std::vector<ir::NodeId> force;             // [nv]
   std::vector<ir::NodeId> residual;          // [nv] M v' − f − Jnᵀ λn − Jtᵀ λt − Hᵀ ν in terms of the symbols Acceleration, NormalForce,
                                              // TangentForce, Multiplier
@@ -115,6 +117,9 @@ struct HybridSystem {
 // `--emit cls`: unknowns, M, f, contacts, frictions, switches as readable mathematics.
 [[nodiscard]] std::string print(const HybridSystem &system);
 [[nodiscard]] std::string verify(const HybridSystem &system);
+
+// Writes out M, Jn and Jt, for readers. Takes time and memory with the square of the system's size.
+void writeOutMatrices(HybridSystem &system);
 
 // The functions of runtime/abi/tf_model.h, in the order of the table's function pointers. A function that the table allows to be null and
 // that is not needed has an empty name. Derivatives are formed in `system.graph`.

@@ -1,6 +1,6 @@
 // A mass matrix that is singular whatever the configuration is a mistake of the model.
+#include "compiler/ir/sweep.h"
 #include "compiler/mechanics/derivation.h"
-
 #include "compiler/mechanics/diagnostics.h"
 
 #include <Eigen/Dense>
@@ -31,20 +31,63 @@ double sample(Symbol symbol, int round, const std::vector<double> &parameters) {
   return 0.3 + spread;
 }
 
+// M at a generic point.
+Eigen::MatrixXd massAt(const HybridSystem &system, const std::vector<double> &parameters, int round) {
+  const auto value = [&](Symbol symbol) { return sample(symbol, round, parameters); };
+  const std::vector<double> values = system.massProduct.empty() ? ir::evaluate(system.graph, system.mass, value)
+                                                                : ir::evaluateMatrix(system.graph, system.massProduct, system.nv, value);
+  return Eigen::Map<const Eigen::MatrixXd>(values.data(), system.nv, system.nv);
+}
+
+// Beyond doubt, by inverse iteration with the Cholesky factor: cheaper than the eigenvalues by far.
+bool isWellConditioned(const Eigen::MatrixXd &scaledMass) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(scaledMass);
+  if (factor.info() != Eigen::Success)
+    return false;
+  Eigen::VectorXd direction(scaledMass.rows());
+  for (Eigen::Index k = 0; k < direction.size(); ++k)
+    direction(k) = 0.5 + std::fmod(0.6180339887498949 * static_cast<double>(k + 1), 1.0);
+  double growth = 0;
+  for (int iteration = 0; iteration < 3; ++iteration) {
+    direction.normalize();
+    direction = factor.solve(direction);
+    growth = direction.norm();
+  }
+  return growth < 1e-4 / kSingular;
+}
+
 // The direction in which M is singular at a generic point; empty if it is regular there.
 std::vector<double> masslessMotion(const HybridSystem &system, const std::vector<double> &parameters, int round) {
-  const std::vector<double> values = ir::evaluate(system.graph, system.mass, [&](Symbol s) { return sample(s, round, parameters); });
   const int n = system.nv;
-  Eigen::MatrixXd mass = Eigen::Map<const Eigen::MatrixXd>(values.data(), n, n);
+  Eigen::MatrixXd mass = massAt(system, parameters, round);
   if (!mass.allFinite() || (mass.diagonal().array() <= 0).any())
     return {};
   const Eigen::VectorXd scale = mass.diagonal().array().sqrt().inverse();
   mass = scale.asDiagonal() * mass * scale.asDiagonal();
+  if (isWellConditioned(mass))
+    return {};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(mass);
   if (solver.eigenvalues()(0) > kSingular * solver.eigenvalues()(n - 1))
     return {};
   const Eigen::VectorXd motion = solver.eigenvectors().col(0);
   return {motion.data(), motion.data() + n};
+}
+
+// Coordinates whose velocity no inertia resists.
+std::vector<std::size_t> masslessCoordinates(const HybridSystem &system) {
+  const auto n = static_cast<std::size_t>(system.nv);
+  std::vector<std::size_t> massless;
+  if (system.massProduct.empty()) {
+    for (std::size_t k = 0; k < n; ++k)
+      if (system.graph.isConstant(system.mass[k * n + k], 0))
+        massless.push_back(k);
+    return massless;
+  }
+  const std::vector<std::vector<int>> structure = ir::seedStructure(system.graph, system.massProduct, system.nv);
+  for (std::size_t k = 0; k < n; ++k)
+    if (!std::ranges::binary_search(structure[k], static_cast<int>(k)))
+      massless.push_back(k);
+  return massless;
 }
 
 }  // namespace
@@ -81,17 +124,14 @@ bool checkInertia(Derivation &derivation) {
 bool checkMass(Derivation &derivation) {
   const HybridSystem &system = derivation.system;
   const auto n = static_cast<std::size_t>(system.nv);
-  bool isFine = true;
-  std::set<std::string> massless;  // a rotation is reported once
-  for (std::size_t k = 0; k < n; ++k)
-    if (system.graph.isConstant(system.mass[k * n + k], 0)) {
-      if (std::string name = derivation.variables.movingName(static_cast<int>(k)); massless.insert(name).second)
-        derivation.diagnostics.report(diag::MasslessCoordinate,
-                                      derivation.variables.variable(derivation.variables.velocity(static_cast<int>(k))).span, name);
-      isFine = false;
-    }
-  if (!isFine || n == 0)
-    return isFine;
+  std::set<std::string> reported;  // a rotation is reported once
+  const std::vector<std::size_t> massless = masslessCoordinates(system);
+  for (const std::size_t k : massless)
+    if (std::string name = derivation.variables.movingName(static_cast<int>(k)); reported.insert(name).second)
+      derivation.diagnostics.report(diag::MasslessCoordinate,
+                                    derivation.variables.variable(derivation.variables.velocity(static_cast<int>(k))).span, name);
+  if (!massless.empty() || n == 0)
+    return massless.empty();
   const std::vector<double> parameters = parameterValues(system);
   std::vector<double> motion;
   for (int round = 0; round < kSamples; ++round)

@@ -1,7 +1,10 @@
 // The functions of a compiled model, with the argument and result layout of runtime/abi/tf_model.h.
+#include "compiler/ir/sweep.h"
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
+#include <map>
+#include <utility>
 
 namespace tf {
 
@@ -9,6 +12,8 @@ using ir::NodeId;
 using ir::SymbolKind;
 
 namespace {
+
+constexpr auto always = [](std::size_t) { return -1; };
 
 // Collects the stores of one function. Structural zeros are stored too: callers see complete arrays.
 class FunctionBuilder {
@@ -36,6 +41,17 @@ public:
   void storeRow(int buffer, int row, std::span<const NodeId> nodes, int group) {
     for (std::size_t k = 0; k < nodes.size(); ++k)
       store(buffer, row * static_cast<int>(nodes.size()) + static_cast<int>(k), nodes[k], group);
+  }
+
+  // Rows of equal length at `buffer` that a sweep computes, row k in group(k).
+  template <class Group> static void addRows(std::vector<ir::MatrixRow> &rows, int buffer, int count, int length, Group group) {
+    for (int k = 0; k < count; ++k)
+      rows.push_back({buffer, k * length, group(static_cast<std::size_t>(k))});
+  }
+
+  void sweep(std::span<const NodeId> results, const std::vector<std::vector<int>> &structure, int seedCount, ir::SweepOver over,
+             std::span<const ir::MatrixRow> rows) {
+    ir::addSweep(function_, results, structure, seedCount, over, rows);
   }
 
   ir::Function take() { return std::move(function_); }
@@ -103,6 +119,22 @@ private:
     return graph_.sum(terms);
   }
 
+  // d rate/dt in terms of the accelerations, of rows with rate' = jacobian · v' + bias.
+  template <class Row>
+  std::vector<NodeId> accelerations(const std::vector<Row> &rows, std::vector<NodeId> Row::*jacobian, NodeId Row::*rate) {
+    std::vector<NodeId> nodes;
+    if (system_.contactForce.empty()) {
+      for (const Row &row : rows)
+        nodes.push_back(acceleration(row.*jacobian, row.bias));
+      return nodes;
+    }
+    for (const Row &row : rows)
+      nodes.push_back(row.*rate);
+    return mechanics::timeDerivative(system_, nodes, mechanics::AlongMotion::WithAcceleration);
+  }
+
+  bool jacobianSweep(FunctionBuilder &builder, const std::vector<NodeId> &nodes, const std::vector<ir::MatrixRow> &rows, int buffers);
+
   // A buffer of d nodes/dx, row i in group(i).
   template <class Group> void jacobianBuffer(FunctionBuilder &builder, const std::vector<NodeId> &nodes, Group group) {
     const std::vector<NodeId> matrix = ir::jacobian(graph_, nodes, x_);
@@ -157,7 +189,14 @@ ir::Function ModelFunctions::kinematicsDerivatives() {
 
 ir::Function ModelFunctions::dynamics() {
   FunctionBuilder builder("dynamics");
-  builder.buffer(system_.mass);
+  if (system_.massProduct.empty()) {
+    builder.buffer(system_.mass);
+  } else {
+    std::vector<ir::MatrixRow> rows;
+    builder.addRows(rows, builder.emptyBuffer(system_.nv * system_.nv), system_.nv, system_.nv, always);
+    builder.sweep(system_.massProduct, ir::seedStructure(graph_, system_.massProduct, system_.nv), system_.nv, ir::SweepOver::Columns,
+                  rows);
+  }
   builder.buffer(system_.force);
   builder.buffer(system_.stateDerivatives);
   return builder.take();
@@ -188,16 +227,25 @@ ir::Function ModelFunctions::contactTerms() {
   const int friction = builder.emptyBuffer(contacts_), bound = builder.emptyBuffer(tangents_);
   for (int k = 0; k < contacts_; ++k) {
     const Contact &contact = system_.contacts[static_cast<std::size_t>(k)];
-    builder.storeRow(normal, k, contact.normal, k);
+    if (system_.contactForce.empty())
+      builder.storeRow(normal, k, contact.normal, k);
     builder.store(normalBias, k, contact.bias, k);
     builder.store(friction, k, contact.friction, k);
   }
   const std::vector<NodeId> bounds = this->bounds();
   for (int k = 0; k < tangents_; ++k) {
     const auto row = static_cast<std::size_t>(k);
-    builder.storeRow(tangent, k, system_.tangents[row].jacobian, rowGroup_[row]);
+    if (system_.contactForce.empty())
+      builder.storeRow(tangent, k, system_.tangents[row].jacobian, rowGroup_[row]);
     builder.store(tangentBias, k, system_.tangents[row].bias, rowGroup_[row]);
     builder.store(bound, k, bounds[row], rowGroup_[row]);
+  }
+  if (!system_.contactForce.empty()) {
+    std::vector<ir::MatrixRow> rows;
+    builder.addRows(rows, normal, contacts_, system_.nv, [](std::size_t k) { return static_cast<int>(k); });
+    builder.addRows(rows, tangent, tangents_, system_.nv, [&](std::size_t k) { return rowGroup_[k]; });
+    const int seeds = contacts_ + tangents_;
+    builder.sweep(system_.contactForce, ir::seedStructure(graph_, system_.contactForce, seeds), seeds, ir::SweepOver::Rows, rows);
   }
   return builder.take();
 }
@@ -251,27 +299,67 @@ ir::Function ModelFunctions::stepDerivatives() {
 
 // Output 0 holds the terms of all contacts' forces: those of unselected contacts are passed as 0.
 ir::Function ModelFunctions::dynamicsDerivatives() {
-  std::vector<NodeId> normal, friction, tangent, constraint;
-  for (const Contact &contact : system_.contacts) {
-    normal.push_back(acceleration(contact.normal, contact.bias));
+  std::vector<NodeId> friction;
+  for (const Contact &contact : system_.contacts)
     friction.push_back(contact.friction);
-  }
-  for (const TangentRow &row : system_.tangents)
-    tangent.push_back(acceleration(row.jacobian, row.bias));
-  for (const ConstraintRow &row : system_.constraintRows)
-    constraint.push_back(acceleration(row.jacobian, row.bias));
-  const auto always = [](std::size_t) { return -1; };
   const auto ofContact = [](std::size_t row) { return static_cast<int>(row); };
   const auto ofRow = [&](std::size_t row) { return rowGroup_[row]; };
+  const std::vector<NodeId> normal = accelerations(system_.contacts, &Contact::normal, &Contact::gapRate);
+  const std::vector<NodeId> tangent = accelerations(system_.tangents, &TangentRow::jacobian, &TangentRow::slip);
+  const std::vector<NodeId> constraint = accelerations(system_.constraintRows, &ConstraintRow::jacobian, &ConstraintRow::rate);
+  const std::vector<NodeId> bounds = this->bounds();
   FunctionBuilder builder("dynamics_derivatives", contacts_ + frictions_);
+  std::vector<NodeId> nodes;
+  std::vector<ir::MatrixRow> rows;
+  const auto add = [&](const std::vector<NodeId> &some, int buffer, auto group) {
+    nodes.insert(nodes.end(), some.begin(), some.end());
+    builder.addRows(rows, buffer, static_cast<int>(some.size()), static_cast<int>(x_.size()), group);
+  };
+  int buffer = 0;
+  add(system_.residual, buffer++, always);
+  add(system_.stateDerivatives, buffer++, always);
+  add(normal, buffer++, ofContact);
+  add(tangent, buffer++, ofRow);
+  add(friction, buffer++, ofContact);
+  add(bounds, buffer++, ofRow);
+  add(constraint, buffer++, always);
+  if (jacobianSweep(builder, nodes, rows, buffer))
+    return builder.take();
   jacobianBuffer(builder, system_.residual, always);
   jacobianBuffer(builder, system_.stateDerivatives, always);
   jacobianBuffer(builder, normal, ofContact);
   jacobianBuffer(builder, tangent, ofRow);
   jacobianBuffer(builder, friction, ofContact);
-  jacobianBuffer(builder, bounds(), ofRow);
+  jacobianBuffer(builder, bounds, ofRow);
   jacobianBuffer(builder, constraint, always);
   return builder.take();
+}
+
+// d nodes/dx by a loop over directions, in `buffers` buffers; false, and nothing done, if it is better written out.
+bool ModelFunctions::jacobianSweep(FunctionBuilder &builder, const std::vector<NodeId> &nodes, const std::vector<ir::MatrixRow> &rows,
+                                   int buffers) {
+  const int columns = static_cast<int>(x_.size());
+  if (nodes.size() * x_.size() <= mechanics::fewEntries)
+    return false;
+  std::map<std::pair<SymbolKind, int>, int> columnOf;
+  for (int k = 0; k < columns; ++k) {
+    const ir::Symbol symbol = graph_[x_[static_cast<std::size_t>(k)]].symbol;
+    columnOf[{symbol.kind, symbol.index}] = k;
+  }
+  const std::vector<NodeId> results = ir::forwardDerivative(graph_, nodes, [&](ir::Symbol symbol) {
+    const auto column = columnOf.find({symbol.kind, symbol.index});
+    return column == columnOf.end() ? graph_.constant(0) : graph_.symbol(SymbolKind::Seed, column->second);
+  });
+  const std::vector<std::vector<int>> structure = ir::seedStructure(graph_, results, columns);
+  if (!ir::isSweepSmaller(graph_, results, structure, mechanics::fewEntries))
+    return false;
+  std::vector<int> sizes(static_cast<std::size_t>(buffers), 0);
+  for (const ir::MatrixRow &row : rows)
+    sizes[static_cast<std::size_t>(row.buffer)] += columns;
+  for (const int size : sizes)
+    builder.emptyBuffer(size);
+  builder.sweep(results, structure, columns, ir::SweepOver::Columns, rows);
+  return true;
 }
 
 ir::Function ModelFunctions::outputs() {

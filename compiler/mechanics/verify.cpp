@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -17,14 +18,14 @@ using ir::NodeId;
 using ir::SymbolKind;
 
 // Which symbols a part of the system may refer to.
-enum class Scope : std::uint8_t { Parameters, Motion, Everything };
+enum class Scope : std::uint8_t { Parameters, Motion, Direction, Everything };
 
 class SystemVerifier {
 public:
   explicit SystemVerifier(const HybridSystem &system) : s_(system) {}
 
   std::string run() {
-    size("mass", s_.mass, s_.nv * s_.nv);
+    size("mass", s_.mass, s_.massProduct.empty() ? s_.nv * s_.nv : 0);
     size("force", s_.force, s_.nv);
     size("residual", s_.residual, s_.nv);
     size("state derivatives", s_.stateDerivatives, s_.nz);
@@ -38,6 +39,8 @@ public:
     if (!error_.empty())
       return error_;
     nodes("mass", s_.mass, Scope::Motion);
+    nodes("mass product", s_.massProduct, Scope::Direction);
+    nodes("contact force", s_.contactForce, Scope::Direction);
     nodes("force", s_.force, Scope::Motion);
     nodes("state derivatives", s_.stateDerivatives, Scope::Motion);
     nodes("residual", s_.residual, Scope::Everything);
@@ -95,6 +98,8 @@ private:
       return isResult ? static_cast<int>(s_.constraintRows.size()) : 0;
     case SymbolKind::StateDerivative:
       return isResult ? s_.nz : 0;
+    case SymbolKind::Seed:
+      return scope == Scope::Direction ? std::max(s_.nv, static_cast<int>(s_.contacts.size() + s_.tangents.size())) : 0;
     case SymbolKind::Unknown:
       return 0;
     }
@@ -114,7 +119,7 @@ private:
   void contacts() {
     const auto rows = static_cast<int>(s_.tangents.size());
     for (const Contact &contact : s_.contacts) {
-      size("normal", contact.normal, s_.nv);
+      size("normal", contact.normal, s_.contactForce.empty() ? s_.nv : 0);
       nodes("normal", contact.normal, Scope::Motion);
       nodes("gap", {contact.gap, contact.gapRate, contact.bias, contact.friction}, Scope::Motion);
       nodes("contact parameters", {contact.restitution, contact.rate}, Scope::Parameters);
@@ -127,7 +132,7 @@ private:
         fail(fmt::format("{}: tangential rows out of range", friction.name));
     }
     for (const TangentRow &row : s_.tangents) {
-      size("tangent", row.jacobian, s_.nv);
+      size("tangent", row.jacobian, s_.contactForce.empty() ? s_.nv : 0);
       nodes("tangent", row.jacobian, Scope::Motion);
       nodes("slip", {row.slip, row.bias}, Scope::Motion);
     }

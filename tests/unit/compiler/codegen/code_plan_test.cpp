@@ -114,13 +114,13 @@ TEST_F(CodePlanTest, ValuesSurviveInTheirSlots) {
         uses = {step.node};
       for (const NodeId use : uses)
         if (g[use].arity > 0 && !here.contains(use)) {
-          EXPECT_EQ(slots.at(plan.slotOf(use)), use);
-          read.insert(plan.slotOf(use));
+          EXPECT_EQ(slots.at(plan.slotOf(use).index), use);
+          read.insert(plan.slotOf(use).index);
         }
       if (step.kind != Step::Kind::Evaluate)
         continue;
       here.insert(step.node);
-      if (const int slot = plan.slotOf(step.node); slot >= 0) {
+      if (const int slot = plan.slotOf(step.node).index; slot >= 0) {
         slots[slot] = step.node;
         written.insert(slot);
       }
@@ -128,6 +128,54 @@ TEST_F(CodePlanTest, ValuesSurviveInTheirSlots) {
     for (const int slot : written)
       EXPECT_FALSE(read.contains(slot)) << slot;
   }
+}
+
+// The loop of a sweep holds what depends on seeds, and nothing that it reads from outside loses its slot before the loop's end.
+TEST_F(CodePlanTest, SweepsAreLoops) {
+  const NodeId seed = g.symbol(ir::SymbolKind::Seed, 0);
+  std::vector<NodeId> outside{x, y}, inside{seed};
+  for (std::size_t k = 0; k < 200; ++k) {
+    outside.push_back(g.add(g.unary(Op::Sin, outside[k]), outside[k * 13 % outside.size()]));
+    inside.push_back(g.add(g.mul(outside.back(), inside[k]), g.mul(outside[k], inside[k * 7 % inside.size()])));
+  }
+  ir::Function sweeping = function(1, 2, {{0, 0, outside.back(), -1}});
+  sweeping.sweep.emplace();
+  sweeping.sweep->seedCount = 1;
+  sweeping.sweep->results = {{inside.back(), -1}, {inside[120], 1}, {outside[50], 0}};
+  const CodePlan plan = planCode(sweeping, g, 30);
+  ASSERT_TRUE(plan.isSplit);
+  bool isInLoop = false;
+  std::map<int, NodeId> slots, rows;
+  std::set<int> readInLoop;
+  for (const Unit &unit : plan.units) {
+    EXPECT_LE(isInLoop, unit.isSwept) << "the loop comes last";
+    isInLoop = unit.isSwept;
+    std::set<NodeId> here;
+    for (const Step &step : unit.steps) {
+      std::vector<NodeId> uses;
+      if (step.kind == Step::Kind::Evaluate)
+        uses.assign(g[step.node].operands, g[step.node].operands + g[step.node].arity);
+      else
+        uses = {step.node};
+      for (const NodeId use : uses)
+        if (g[use].arity > 0 && !here.contains(use)) {
+          const Slot slot = plan.slotOf(use);
+          EXPECT_EQ((slot.isSwept ? rows : slots).at(slot.index), use);
+          if (unit.isSwept && !slot.isSwept)
+            readInLoop.insert(slot.index);
+        }
+      if (step.kind != Step::Kind::Evaluate)
+        continue;
+      here.insert(step.node);
+      EXPECT_EQ(unit.isSwept, std::ranges::count(outside, step.node) == 0 && g[step.node].op != Op::Sin);
+      if (const Slot slot = plan.slotOf(step.node); slot.index >= 0) {
+        EXPECT_EQ(slot.isSwept, unit.isSwept);
+        EXPECT_FALSE(!slot.isSwept && readInLoop.contains(slot.index)) << "the next turn of the loop reads it again";
+        (slot.isSwept ? rows : slots)[slot.index] = step.node;
+      }
+    }
+  }
+  EXPECT_TRUE(isInLoop);
 }
 
 }  // namespace

@@ -1,0 +1,214 @@
+#include "compiler/codegen/sweep_emitter.h"
+
+#include "compiler/codegen/expression_emitter.h"
+
+#include <llvm/IR/Constants.h>
+#include <llvm/IR/Module.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+namespace tf::codegen {
+
+namespace {
+
+// Numbers of a run in the table; `Lane` is that of its colour.
+enum RunField : unsigned { First, Lane, Count, Buffer, Position, Stride, Group, runFields };
+
+// Seeds and runs of all passes; pass k has those from begin[k] to begin[k + 1]. A seed is an index into the frame as an array of numbers.
+struct Tables {
+  std::vector<std::int32_t> seeds, seedBegin{0}, runs, runBegin{0}, resultGroups;
+};
+
+Tables tabulate(const ir::Sweep &sweep) {
+  Tables tables;
+  for (std::size_t first = 0; first < sweep.colours.size(); first += sweepLanes) {
+    const std::size_t last = std::min(first + sweepLanes, sweep.colours.size());
+    for (std::size_t c = first; c < last; ++c) {
+      const auto lane = static_cast<std::int32_t>(c - first);
+      for (const int seed : sweep.colours[c].seeds)
+        tables.seeds.push_back(seed * static_cast<std::int32_t>(sweepLanes) + lane);
+      for (const ir::Sweep::Run &run : sweep.colours[c].runs)
+        tables.runs.insert(tables.runs.end(), {run.first, lane, run.count, run.buffer, run.position, run.stride, run.group});
+    }
+    tables.seedBegin.push_back(static_cast<std::int32_t>(tables.seeds.size()));
+    tables.runBegin.push_back(static_cast<std::int32_t>(tables.runs.size() / runFields));
+  }
+  for (const ir::Sweep::Result &result : sweep.results)
+    tables.resultGroups.push_back(result.group);
+  return tables;
+}
+
+llvm::Constant *table(llvm::Module &module, const std::string &name, const std::vector<std::int32_t> &numbers) {
+  llvm::Constant *values = llvm::ConstantDataArray::get(module.getContext(), llvm::ArrayRef<std::int32_t>(numbers));
+  auto *variable = new llvm::GlobalVariable(module, values->getType(), true, llvm::GlobalValue::PrivateLinkage, values, name);
+  variable->setUnnamedAddr(llvm::GlobalValue::UnnamedAddr::Global);
+  return variable;
+}
+
+// for (k = begin; k < end; ++k) body(k)
+void countedLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *end, const std::function<void(llvm::Value *)> &body) {
+  llvm::Function *function = builder.GetInsertBlock()->getParent();
+  llvm::LLVMContext &context = builder.getContext();
+  llvm::BasicBlock *before = builder.GetInsertBlock();
+  llvm::BasicBlock *head = llvm::BasicBlock::Create(context, "head", function);
+  llvm::BasicBlock *inside = llvm::BasicBlock::Create(context, "body", function);
+  llvm::BasicBlock *after = llvm::BasicBlock::Create(context, "after", function);
+  builder.CreateBr(head);
+  builder.SetInsertPoint(head);
+  llvm::PHINode *index = builder.CreatePHI(builder.getInt32Ty(), 2, "k");
+  index->addIncoming(begin, before);
+  builder.CreateCondBr(builder.CreateICmpSLT(index, end), inside, after);
+  builder.SetInsertPoint(inside);
+  body(index);
+  index->addIncoming(builder.CreateNSWAdd(index, builder.getInt32(1)), builder.GetInsertBlock());
+  builder.CreateBr(head);
+  builder.SetInsertPoint(after);
+}
+
+// Goes to `yes` where the group is −1 or selected, else to `no`.
+void branchOnGroup(llvm::IRBuilder<> &builder, llvm::Value *mask, llvm::Value *group, llvm::BasicBlock *yes, llvm::BasicBlock *no) {
+  llvm::BasicBlock *look = llvm::BasicBlock::Create(builder.getContext(), "look", builder.GetInsertBlock()->getParent());
+  builder.CreateCondBr(builder.CreateICmpSLT(group, builder.getInt32(0)), yes, look);
+  builder.SetInsertPoint(look);
+  llvm::Value *selected = builder.CreateLoad(builder.getInt8Ty(), builder.CreateInBoundsGEP(builder.getInt8Ty(), mask, group));
+  builder.CreateCondBr(builder.CreateIsNotNull(selected), yes, no);
+}
+
+// Emits `body` under the group's guard.
+void whereSelected(llvm::IRBuilder<> &builder, llvm::Value *mask, llvm::Value *group, const std::function<void()> &body) {
+  llvm::Function *function = builder.GetInsertBlock()->getParent();
+  llvm::BasicBlock *yes = llvm::BasicBlock::Create(builder.getContext(), "selected", function);
+  llvm::BasicBlock *next = llvm::BasicBlock::Create(builder.getContext(), "next", function);
+  branchOnGroup(builder, mask, group, yes, next);
+  builder.SetInsertPoint(yes);
+  body();
+  builder.CreateBr(next);
+  builder.SetInsertPoint(next);
+}
+
+llvm::Value *element(llvm::IRBuilder<> &builder, llvm::Type *type, llvm::Value *array, llvm::Value *index) {
+  return builder.CreateLoad(type, builder.CreateInBoundsGEP(type, array, index));
+}
+
+llvm::Value *runField(llvm::IRBuilder<> &builder, llvm::Value *runs, llvm::Value *run, unsigned field) {
+  llvm::Value *index = builder.CreateNSWAdd(builder.CreateNSWMul(run, builder.getInt32(runFields)), builder.getInt32(field));
+  return element(builder, builder.getInt32Ty(), runs, index);
+}
+
+// The functions below are the same for all sweeps of a module.
+llvm::Function *helper(llvm::Module &module, const char *name, llvm::Type *result, llvm::ArrayRef<llvm::Type *> arguments) {
+  llvm::Function *function =
+      llvm::Function::Create(llvm::FunctionType::get(result, arguments, false), llvm::Function::InternalLinkage, name, module);
+  function->setDoesNotThrow();
+  function->addFnAttr(llvm::Attribute::NoInline);
+  return function;
+}
+
+// void (ptr frame, ptr seeds, i32 begin, i32 end, double value)
+llvm::Function *setSeeds(llvm::Module &module) {
+  if (llvm::Function *known = module.getFunction("sweep.set"))
+    return known;
+  llvm::IRBuilder<> builder(module.getContext());
+  llvm::Type *pointer = builder.getPtrTy(), *integer = builder.getInt32Ty(), *number = builder.getDoubleTy();
+  llvm::Function *function = helper(module, "sweep.set", builder.getVoidTy(), {pointer, pointer, integer, integer, number});
+  builder.SetInsertPoint(llvm::BasicBlock::Create(module.getContext(), "entry", function));
+  countedLoop(builder, function->getArg(2), function->getArg(3), [&](llvm::Value *k) {
+    llvm::Value *place = element(builder, integer, function->getArg(1), k);
+    builder.CreateStore(function->getArg(4), builder.CreateInBoundsGEP(number, function->getArg(0), place));
+  });
+  builder.CreateRetVoid();
+  return function;
+}
+
+// i1 (ptr mask, ptr runs, i32 begin, i32 end): whether a run is selected
+llvm::Function *isNeeded(llvm::Module &module) {
+  if (llvm::Function *known = module.getFunction("sweep.needed"))
+    return known;
+  llvm::IRBuilder<> builder(module.getContext());
+  llvm::Type *pointer = builder.getPtrTy(), *integer = builder.getInt32Ty();
+  llvm::Function *function = helper(module, "sweep.needed", builder.getInt1Ty(), {pointer, pointer, integer, integer});
+  builder.SetInsertPoint(llvm::BasicBlock::Create(module.getContext(), "entry", function));
+  countedLoop(builder, function->getArg(2), function->getArg(3), [&](llvm::Value *k) {
+    llvm::Value *group = runField(builder, function->getArg(1), k, Group);
+    llvm::BasicBlock *yes = llvm::BasicBlock::Create(module.getContext(), "yes", function);
+    llvm::BasicBlock *no = llvm::BasicBlock::Create(module.getContext(), "no", function);
+    branchOnGroup(builder, function->getArg(0), group, yes, no);
+    builder.SetInsertPoint(yes);
+    builder.CreateRet(builder.getTrue());
+    builder.SetInsertPoint(no);
+  });
+  builder.CreateRet(builder.getFalse());
+  return function;
+}
+
+// void (ptr results, ptr runs, i32 begin, i32 end, ptr out, ptr mask, ptr resultGroups)
+llvm::Function *storeRuns(llvm::Module &module) {
+  if (llvm::Function *known = module.getFunction("sweep.store"))
+    return known;
+  llvm::IRBuilder<> builder(module.getContext());
+  llvm::Type *pointer = builder.getPtrTy(), *integer = builder.getInt32Ty(), *number = builder.getDoubleTy();
+  llvm::Function *function =
+      helper(module, "sweep.store", builder.getVoidTy(), {pointer, pointer, integer, integer, pointer, pointer, pointer});
+  builder.SetInsertPoint(llvm::BasicBlock::Create(module.getContext(), "entry", function));
+  llvm::Value *mask = function->getArg(5);
+  countedLoop(builder, function->getArg(2), function->getArg(3), [&](llvm::Value *run) {
+    llvm::Value *fields[runFields];
+    for (unsigned field = 0; field < runFields; ++field)
+      fields[field] = runField(builder, function->getArg(1), run, field);
+    whereSelected(builder, mask, fields[Group], [&] {
+      llvm::Value *buffer = element(builder, pointer, function->getArg(4), fields[Buffer]);
+      countedLoop(builder, builder.getInt32(0), fields[Count], [&](llvm::Value *k) {
+        llvm::Value *result = builder.CreateNSWAdd(fields[First], k);
+        whereSelected(builder, mask, element(builder, integer, function->getArg(6), result), [&] {
+          llvm::Value *from = builder.CreateNSWAdd(builder.CreateNSWMul(result, builder.getInt32(sweepLanes)), fields[Lane]);
+          llvm::Value *to = builder.CreateNSWAdd(builder.CreateNSWMul(k, fields[Stride]), fields[Position]);
+          builder.CreateStore(element(builder, number, function->getArg(0), from), builder.CreateInBoundsGEP(number, buffer, to));
+        });
+      });
+    });
+  });
+  builder.CreateRetVoid();
+  return function;
+}
+
+}  // namespace
+
+void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepContext &context, const std::function<void()> &emitBody) {
+  llvm::IRBuilder<> &builder = context.builder;
+  llvm::Module &module = *builder.GetInsertBlock()->getModule();
+  const Tables tables = tabulate(sweep);
+  llvm::Constant *seeds = table(module, name + ".seeds", tables.seeds), *seedBegin = table(module, name + ".seedBegin", tables.seedBegin);
+  llvm::Constant *runs = table(module, name + ".runs", tables.runs), *runBegin = table(module, name + ".runBegin", tables.runBegin);
+  llvm::Constant *groups = table(module, name + ".resultGroups", tables.resultGroups);
+  const std::uint64_t rowBytes = sweepLanes * sizeof(double);
+  builder.CreateMemSet(context.frame, builder.getInt8(0), static_cast<std::uint64_t>(sweep.seedCount) * rowBytes,
+                       llvm::Align(sizeof(double)));
+  llvm::Value *results =
+      builder.CreateConstInBoundsGEP1_32(builder.getDoubleTy(), context.frame, static_cast<unsigned>(firstResultRow(sweep)) * sweepLanes);
+  llvm::Type *integer = builder.getInt32Ty();
+  const auto passes = static_cast<std::uint32_t>(tables.seedBegin.size() - 1);
+  countedLoop(builder, builder.getInt32(0), builder.getInt32(passes), [&](llvm::Value *pass) {
+    llvm::Value *next = builder.CreateNSWAdd(pass, builder.getInt32(1));
+    llvm::Value *firstRun = element(builder, integer, runBegin, pass), *lastRun = element(builder, integer, runBegin, next);
+    llvm::Value *firstSeed = element(builder, integer, seedBegin, pass), *lastSeed = element(builder, integer, seedBegin, next);
+    llvm::Function *function = builder.GetInsertBlock()->getParent();
+    llvm::BasicBlock *needed = llvm::BasicBlock::Create(module.getContext(), "needed", function);
+    llvm::BasicBlock *done = llvm::BasicBlock::Create(module.getContext(), "done", function);
+    builder.CreateCondBr(builder.CreateCall(isNeeded(module), {context.mask, runs, firstRun, lastRun}), needed, done);
+    builder.SetInsertPoint(needed);
+    const auto set = [&](double value) {
+      builder.CreateCall(setSeeds(module),
+                         {context.frame, seeds, firstSeed, lastSeed, llvm::ConstantFP::get(builder.getDoubleTy(), value)});
+    };
+    set(1);
+    emitBody();
+    builder.CreateCall(storeRuns(module), {results, runs, firstRun, lastRun, context.outputs, context.mask, groups});
+    set(0);
+    builder.CreateBr(done);
+    builder.SetInsertPoint(done);
+  });
+}
+
+}  // namespace tf::codegen
