@@ -10,6 +10,9 @@ namespace {
 
 bool isForceGuard(GuardKind kind) { return kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh; }
 
+// Of a gap, relative to its scale.
+constexpr double rounding = 1e-12;
+
 constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
 
 // Cubic Hermite interpolant on [0, h] at s in [0, 1].
@@ -50,12 +53,22 @@ double EventDetection::threshold(int guard) const {
 }
 
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
-double EventDetection::level(int guard) const { return armed_[guard] ? 0 : std::min(start_[guard], 0.0) - threshold(guard); }
+double EventDetection::level(int guard) const {
+  switch (armed_[guard]) {
+  case Arming::ByValue:
+    return 0;
+  case Arming::BySpeed:
+    // Above rounding, as it is without hop().
+    return start_[guard] < -rounding * dynamics_.guards()[guard].scale ? start_[guard] : 0;
+  case Arming::Not:
+    break;
+  }
+  return std::min(start_[guard], 0.0) - threshold(guard);
+}
 
 // A gap that leaves zero at a tiny speed returns before it can be told from rounding; the integral of its rate (trapezoidal rule, exact for
 // a ballistic hop) shows it all the same.
 double EventDetection::hop(int guard, double time, double gap, double rate) const {
-  constexpr double rounding = 1e-12;
   const double scale = dynamics_.guards()[guard].scale;
   if (!integrator_->startsToRounding() || start_[guard] > rounding * scale || std::abs(gap) > rounding * scale)
     return gap;
@@ -120,13 +133,13 @@ void EventDetection::restart(double time, const double *state, double speedOfRou
   sample(time, state, begin_);
   start_ = begin_.value;
   startRate_ = begin_.rate;
-  armed_.assign(count, 0);
+  armed_.assign(count, Arming::Not);
   // A gap that opens at a speed needs no distance to be taken for open.
   for (std::size_t k = 0; k < count; ++k) {
     const double least = threshold(static_cast<int>(k));
     const bool opens = integrator_->startsToRounding() ? begin_.rate[k] > speedOfRounding
                                                        : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
-    armed_[k] = begin_.value[k] > least || opens;
+    armed_[k] = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
   }
 }
 
@@ -173,7 +186,7 @@ void EventDetection::bracket(int guard, double low, double lowValue, double high
 
 // A gap that may come near zero between the samples: its own rates could take it there.
 bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
-  if (dynamics_.guards()[guard].kind != GuardKind::Gap || !armed_[guard])
+  if (dynamics_.guards()[guard].kind != GuardKind::Gap || armed_[guard] == Arming::Not)
     return false;
   const double h = b.time - a.time;
   const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
@@ -185,8 +198,8 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
   bool divide = false;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
     const int guard = static_cast<int>(k);
-    if (!armed_[k] && a.value[k] > threshold(guard))
-      armed_[k] = 1;
+    if (a.value[k] > threshold(guard))
+      armed_[k] = Arming::ByValue;
     if (b.value[k] < level(guard))
       bracket(guard, a.time, a.value[k], b.time, b.value[k], first);
     divide = divide || mayDip(guard, a, b);
@@ -220,7 +233,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
 void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
   const double h = b.time - a.time;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    if (dynamics_.guards()[k].kind == GuardKind::Gap || !armed_[k] || middle.value[k] < 0 || b.value[k] < 0)
+    if (dynamics_.guards()[k].kind == GuardKind::Gap || armed_[k] == Arming::Not || middle.value[k] < 0 || b.value[k] < 0)
       continue;
     const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
     const double slope = b.value[k] - a.value[k];
@@ -260,7 +273,7 @@ DetectedEvent EventDetection::detect() {
 void EventDetection::advance() {
   for (std::size_t k = 0; k < armed_.size(); ++k)
     if (end_.value[k] > threshold(static_cast<int>(k)))
-      armed_[k] = 1;
+      armed_[k] = Arming::ByValue;
   std::swap(begin_, end_);
   if (!watched_)
     return;

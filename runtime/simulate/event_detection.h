@@ -54,8 +54,10 @@ private:
 
   ModeDynamics &dynamics_;
   SmoothIntegrator *integrator_;
-  std::vector<std::uint8_t> armed_;  // the guard has been clearly positive in this mode
-  double startTime_ = 0;             // where the mode began
+  // Whether the guard is known to be open in this mode: because it rises from its start, or because it has been clearly positive.
+  enum class Arming : std::uint8_t { Not, BySpeed, ByValue };
+  std::vector<Arming> armed_;
+  double startTime_ = 0;  // where the mode began
   std::vector<double> start_, startRate_;
   bool needsForces_ = false;
   bool watched_ = false;  // a gap has not left zero yet
