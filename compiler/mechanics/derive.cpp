@@ -133,8 +133,10 @@ std::optional<HybridSystem> derive(const flat::FlatModel &model, const SourceMan
   mechanics::deriveEnergies(derivation);
   mechanics::deriveContacts(derivation);
   mechanics::deriveConstraints(derivation);
-  const bool isConnected = mechanics::checkContacts(derivation) & mechanics::checkConstraints(derivation);
-  if (!mechanics::checkInertia(derivation) || !mechanics::checkMass(derivation) || !isConnected)
+  const bool areContactsRight = mechanics::checkContacts(derivation);
+  const bool areConstraintsRight = mechanics::checkConstraints(derivation);
+  const bool areTensorsRight = mechanics::checkInertia(derivation);
+  if (!areTensorsRight || !mechanics::checkMass(derivation) || !areContactsRight || !areConstraintsRight)
     return std::nullopt;
   assert(verify(system).empty());
   return system;

@@ -69,6 +69,7 @@ void deriveMass(HybridSystem &system, const std::vector<Inertial> &inertials) {
     std::size_t first = 0;
     for (const Inertial &one : inertials) {
       std::vector<NodeId> column;
+      column.reserve(one.rates.size());
       for (std::size_t k = 0; k < one.rates.size(); ++k)
         column.push_back(jacobian[(first + k) * n + j]);
       first += one.rates.size();

@@ -253,6 +253,7 @@ NodeId ElementTable::power(flat::ElementId id, int position, Span span) {
 
 NodeId dot(ir::Graph &graph, std::span<const NodeId> a, std::span<const NodeId> b) {
   std::vector<NodeId> terms;
+  terms.reserve(a.size());
   for (std::size_t k = 0; k < a.size(); ++k)
     terms.push_back(graph.mul(a[k], b[k]));
   return graph.sum(terms);
@@ -276,6 +277,7 @@ std::vector<NodeId> tensorProduct(ir::Graph &graph, const std::vector<NodeId> &i
   std::vector<NodeId> result;
   for (std::size_t i = 0; i < n; ++i) {
     std::vector<NodeId> terms;
+    terms.reserve(n);
     for (std::size_t j = 0; j < n; ++j)
       terms.push_back(graph.mul(inertia[std::min(i, j) * n + std::max(i, j)], vector[j]));
     result.push_back(graph.sum(terms));

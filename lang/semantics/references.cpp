@@ -181,7 +181,7 @@ private:
       rotation.type.dims.push_back(3);
     }
     ExprPtr selected = makeIndex(std::make_shared<const flat::Expr>(std::move(rotation)), chosen, span_);
-    if (!isVelocity && visibleDims(selected->type).size() > 0) {
+    if (!isVelocity && !visibleDims(selected->type).empty()) {
       context_.diagnostics.report(diag::NotSupported, span_, "a part of an array of rotations");
       return nullptr;
     }
