@@ -1,0 +1,188 @@
+// Holonomic and velocity constraints against closed forms and against the same mechanisms in minimal coordinates.
+#include "tests/accuracy/compiled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <gtest/gtest.h>
+
+namespace tf::test {
+namespace {
+
+constexpr double gravity = 9.81;
+
+class Constraints : public testing::TestWithParam<tf_integrator> {};
+
+// m (x'', y'') = (0, −m g) + 2 (x, y) ν: the rod's tension is −2 ν l = m (v²/l + g (−y)/l).
+TEST_P(Constraints, PendulumInPositionsMovesAsInItsAngle) {
+  CompiledModel positions(sourceFile("pendulum_in_positions.tf", R"(model Pendulum
+  coordinate Real x(start = 1), y;
+  body bob(mass = 2, position = {x, y});
+  gravity weight(acceleration = {0, -9.81});
+  constraint rod(residual = x^2 + y^2 - 1);
+end Pendulum;
+)"));
+  CompiledModel angle(sourceFile("pendulum_in_angle.tf", R"(model Pendulum
+  coordinate Real phi(start = 0);
+  body bob(mass = 2, position = {cos(phi), sin(phi)});
+  gravity weight(acceleration = {0, -9.81});
+end Pendulum;
+)"));
+  positions.tolerance(1e-10).integrator(GetParam()).initialise();
+  angle.tolerance(1e-12).initialise();
+  for (int k = 1; k <= 50; ++k) {
+    positions.advance(0.1 * k);
+    angle.advance(0.1 * k);
+    const double x = positions["x"], y = positions["y"], vx = positions["der(x)"], vy = positions["der(y)"];
+    EXPECT_NEAR(x, std::cos(angle["phi"]), 1e-7);
+    EXPECT_NEAR(y, std::sin(angle["phi"]), 1e-7);
+    EXPECT_NEAR(vx * vx + vy * vy, -2 * gravity * y, 1e-7);
+    EXPECT_NEAR(-2 * positions["rod.multiplier"], 2 * (vx * vx + vy * vy - gravity * y), 1e-6);
+    EXPECT_LE(std::abs(x * x + y * y - 1), 1e-13);
+    EXPECT_LE(std::abs(x * vx + y * vy), 1e-13);
+  }
+}
+
+// A slider-crank with the rod's angle and the slider as further coordinates, and with the crank's angle alone.
+TEST_P(Constraints, SliderCrankInMixedCoordinatesMovesAsInMinimalOnes) {
+  CompiledModel mixed(sourceFile("slider_crank_mixed.tf", R"(model SliderCrank
+  parameter Real r = 0.3, l = 1;
+  coordinate Real a(start = 0.5, der(start = 2)), b(start = 0, fixed = false, der(start = 0, fixed = false));
+  coordinate Real x(start = 1, fixed = false, der(start = 0, fixed = false));
+  Real pin[2] = r*{cos(a), sin(a)};
+  body crank(mass = 1, position = pin/2, angle = a, inertia = 0.01);
+  body rod(mass = 0.5, position = pin + l/2*{cos(b), -sin(b)}, angle = -b, inertia = 0.04);
+  body slider(mass = 0.7, position = {x, 0});
+  gravity weight(acceleration = {0, -9.81});
+  constraint closure(residual = pin + l*{cos(b), -sin(b)} - {x, 0});
+end SliderCrank;
+)"));
+  CompiledModel minimal(sourceFile("slider_crank_minimal.tf", R"(model SliderCrank
+  parameter Real r = 0.3, l = 1;
+  coordinate Real a(start = 0.5, der(start = 2));
+  Real b = asin(r*sin(a)/l);
+  Real x = r*cos(a) + l*cos(b);
+  Real pin[2] = r*{cos(a), sin(a)};
+  body crank(mass = 1, position = pin/2, angle = a, inertia = 0.01);
+  body rod(mass = 0.5, position = pin + l/2*{cos(b), -sin(b)}, angle = -b, inertia = 0.04);
+  body slider(mass = 0.7, position = {x, 0});
+  gravity weight(acceleration = {0, -9.81});
+end SliderCrank;
+)"));
+  mixed.tolerance(1e-10).integrator(GetParam()).initialise();
+  minimal.tolerance(1e-12).initialise();
+  EXPECT_EQ(tf_get_statistics(mixed.simulation())->redundant_constraints, 0);
+  for (int k = 0; k <= 30; ++k) {
+    mixed.advance(0.1 * k);
+    minimal.advance(0.1 * k);
+    EXPECT_NEAR(mixed["a"], minimal["a"], 2e-7) << "t = " << mixed.time();
+    EXPECT_NEAR(mixed["x"], minimal["x"], 2e-7);
+    EXPECT_NEAR(mixed["der(a)"], minimal["der(a)"], 1e-6);
+  }
+  EXPECT_LE(tf_get_statistics(mixed.simulation())->worst_constraint, 1e-13);
+}
+
+// A skate on a slope that turns at the rate w: x = c (1 − cos 2wt)/(4 w²), y = c (wt − sin(2wt)/2)/(2 w²) with the acceleration c down x.
+TEST_P(Constraints, ASkateOnASlopeMovesOnACycloid) {
+  CompiledModel skate(sourceFile("skate.tf", R"(model Skate
+  coordinate Real x, y, phi(der(start = 2));
+  body blade(mass = 1.5, position = {x, y}, angle = phi, inertia = 0.2);
+  gravity slope(acceleration = {3, 0});
+  constraint edge(velocityResidual = der(x)*sin(phi) - der(y)*cos(phi));
+end Skate;
+)"));
+  skate.tolerance(1e-10).integrator(GetParam()).initialise();
+  const double w = 2, c = 3;
+  for (int k = 1; k <= 40; ++k) {
+    const double t = 0.1 * k;
+    skate.advance(t);
+    EXPECT_NEAR(skate["x"], c * (1 - std::cos(2 * w * t)) / (4 * w * w), 1e-7);
+    EXPECT_NEAR(skate["y"], c * (w * t - std::sin(2 * w * t) / 2) / (2 * w * w), 1e-7);
+  }
+  EXPECT_LE(tf_get_statistics(skate.simulation())->worst_constraint, 1e-13);
+}
+
+// Two masses on a massless rod fall on the floor: the impulse on one of them is passed on to the other.
+TEST_P(Constraints, TransmitImpulses) {
+  const std::string contacts = R"(  contact floor[2](gap = {p[1, 2], p[2, 2]}, slip = {der(p[1, 1]), der(p[2, 1])}, each friction = 0.3);
+  gravity weight(acceleration = {0, -9.81});
+)";
+  CompiledModel masses(sourceFile("dumbbell_of_masses.tf", R"(model Dumbbell
+  coordinate Real p[2, 2](start = {{0.5*cos(0.6), 1 + 0.5*sin(0.6)}, {-0.5*cos(0.6), 1 - 0.5*sin(0.6)}}, der(start = {{1, 0}, {1, 0}}));
+  body mass[2](each mass = 0.8, position = p);
+  constraint rod(residual = (p[1, :] - p[2, :])*(p[1, :] - p[2, :]) - 1);
+)" + contacts + "end Dumbbell;\n"));
+  CompiledModel rigid(sourceFile("rigid_dumbbell.tf", R"(model Dumbbell
+  coordinate Real r[2](start = {0, 1}, der(start = {1, 0})), phi(start = 0.6);
+  Real p[2, 2] = {r + 0.5*{cos(phi), sin(phi)}, r - 0.5*{cos(phi), sin(phi)}};
+  body rod(mass = 1.6, position = r, angle = phi, inertia = 0.4);
+)" + contacts + "end Dumbbell;\n"));
+  masses.tolerance(1e-10).integrator(GetParam()).initialise();
+  rigid.tolerance(1e-12).initialise();
+  for (int k = 1; k <= 40; ++k) {
+    masses.advance(0.05 * k);
+    rigid.advance(0.05 * k);
+    EXPECT_NEAR((masses["p[1,1]"] + masses["p[2,1]"]) / 2, rigid["r[1]"], 1e-7) << "t = " << masses.time();
+    EXPECT_NEAR((masses["p[1,2]"] + masses["p[2,2]"]) / 2, rigid["r[2]"], 1e-7) << "t = " << masses.time();
+  }
+  EXPECT_NEAR(masses.eventTime(TF_EVENT_IMPACT), rigid.eventTime(TF_EVENT_IMPACT), 1e-9);
+  EXPECT_NEAR(masses.eventTime(TF_EVENT_IMPACT, 1), rigid.eventTime(TF_EVENT_IMPACT, 1), 1e-8);
+}
+
+std::string nameOf(const testing::TestParamInfo<tf_integrator> &integrator) {
+  const char *const names[] = {"auto", "step", "cvode", "explicit"};
+  return names[integrator.param];
+}
+
+INSTANTIATE_TEST_SUITE_P(Integrators, Constraints, testing::Values(TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE), nameOf);
+
+TEST(RedundantConstraints, AreCountedAndChangeNothing) {
+  CompiledModel model(sourceFile("pendulum_held_twice.tf", R"(model Pendulum
+  coordinate Real x(start = 1), y;
+  body bob(mass = 2, position = {x, y});
+  gravity weight(acceleration = {0, -9.81});
+  constraint rod(residual = x^2 + y^2 - 1);
+  constraint again(residual = sqrt(x^2 + y^2) - 1);
+end Pendulum;
+)"));
+  model.tolerance(1e-10).initialise();
+  EXPECT_EQ(tf_get_statistics(model.simulation())->redundant_constraints, 1);
+  model.advance(1);
+  const double x = model["x"], y = model["y"], speed = model["der(x)"] * model["der(x)"] + model["der(y)"] * model["der(y)"];
+  EXPECT_NEAR(speed, -2 * gravity * y, 1e-8);
+  EXPECT_NEAR(x * x + y * y, 1, 1e-13);
+  // Together they pull as one rod does.
+  EXPECT_NEAR(-2 * model["rod.multiplier"] - model["again.multiplier"], 2 * (speed - gravity * y), 1e-7);
+}
+
+TEST(ConstrainedStarts, ThatViolateAConstraintNameIt) {
+  CompiledModel model(sourceFile("pendulum_off_its_circle.tf", R"(model Pendulum
+  coordinate Real x(start = 1.1), y;
+  body bob(mass = 2, position = {x, y});
+  constraint rod(residual = x^2 + y^2 - 1);
+end Pendulum;
+)"));
+  try {
+    model.initialise();
+    FAIL() << "the start is accepted";
+  } catch (const std::exception &error) {
+    EXPECT_NE(std::string(error.what()).find("violates constraint 'rod' by 0.21"), std::string::npos) << error.what();
+  }
+}
+
+TEST(ConstrainedStarts, FreeOnesAreTheNearest) {
+  CompiledModel model(sourceFile("free_pendulum.tf", R"(model Pendulum
+  coordinate Real x(start = 3, fixed = false, der(start = 1, fixed = false)), y(start = 4, fixed = false, der(start = 0, fixed = false));
+  body bob(mass = 2, position = {x, y});
+  constraint rod(residual = x^2 + y^2 - 1);
+end Pendulum;
+)"));
+  model.initialise();
+  EXPECT_NEAR(model["x"] * model["x"] + model["y"] * model["y"], 1, 1e-12);
+  EXPECT_NEAR(model["y"] / model["x"], 4.0 / 3, 1e-9);
+  // (1, 0) less its part along (0.6, 0.8).
+  EXPECT_NEAR(model["der(x)"], 0.64, 1e-9);
+  EXPECT_NEAR(model["der(y)"], -0.48, 1e-9);
+}
+
+}  // namespace
+}  // namespace tf::test
