@@ -85,7 +85,8 @@ struct ContactSolution {
   bool redundant = false;             // D is singular on the active rows: λ is the least-norm one
   std::vector<ForceLimit> saturated;  // redundant: limits on which the least-norm λ lies within the mode
   std::vector<int> degenerate;        // rows decided by the next derivative only (ContactSolver::resolve)
-  int forced = -1;                    // Inconsistent, Unsettled: the normal row whose contact would start a frictional impulse
+  // Inconsistent, Unsettled: the normal row whose contact would start a frictional impulse. Indeterminate: the first one with D_s < 0.
+  int forced = -1;
 };
 
 }  // namespace tf::runtime

@@ -296,6 +296,9 @@ void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const 
     break;
   }
   labelMode(problem, preferred);
+  for (int i = 0; solution.status == ContactStatus::Indeterminate && solution.forced < 0 && i < problem.normalCount; ++i)
+    if (slidingResponse(problem, i) < 0)
+      solution.forced = i;
   if (!hasSolution(found)) {
     solution.forced = findForced(problem);
     return;

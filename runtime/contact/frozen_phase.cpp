@@ -14,6 +14,8 @@ namespace {
 // Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
 constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
 constexpr double feasibility = 1e-9;
+// D_s below this part of what it is the difference of is zero for a frictional impulse.
+constexpr double jammed = 1e-6;
 constexpr int keptBreakpoints = 1000, tailFrom = 48;
 // A contraction factor that differs from 1 by less repeats without contraction.
 constexpr double contraction = 1e-9;
@@ -66,6 +68,7 @@ struct FrozenPhase::Workspace {
   [[nodiscard]] bool drifts() const;
   bool skipCycles();
   void fail(FrozenStatus status);
+  bool jams(int forced);
   void follow(int forced);
 };
 
@@ -360,6 +363,17 @@ void FrozenPhase::Workspace::fail(FrozenStatus status) {
       result.rows.push_back(i);
 }
 
+// Whether the contact that starts a frictional impulse is pressed in by it, or stays where it is, D_s = 0, until the slip ends.
+bool FrozenPhase::Workspace::jams(int forced) {
+  if (velocity[forced] < 0 || acceleration[forced] < 0)
+    return true;
+  if (acceleration[forced] > jammed * turnover[forced])
+    return false;
+  acceleration[forced] = 0;
+  double duration = 0;
+  return nextBreakpoint(duration) >= 0;
+}
+
 void FrozenPhase::Workspace::follow(int forced) {
   FrozenEvent event = FrozenEvent::Start;
   int row = -1;
@@ -368,7 +382,7 @@ void FrozenPhase::Workspace::follow(int forced) {
       return fail(FrozenStatus::Unsettled);
     if (restitution.push(force))
       continue;
-    if (forced >= 0 && !(acceleration[forced] < 0) && !(velocity[forced] < 0))
+    if (forced >= 0 && !jams(forced))
       break;
     forced = -1;
     record(row, event == FrozenEvent::Start ? classify(row) : event);

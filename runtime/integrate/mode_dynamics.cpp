@@ -376,6 +376,20 @@ double ModeDynamics::normalForce(int contact) const {
   return 0;
 }
 
+int ModeDynamics::jammedContact() const {
+  constexpr double jammed = 1e-6;
+  const int normals = rows_.normalCount();
+  for (int j = 0; j < problem_.tangentCount; ++j) {
+    const int i = problem_.owner[j];
+    if (i < 0 || contactMode_.slip[j] == 0)
+      continue;
+    const double own = problem_.delassus(i, i);
+    if (own - contactMode_.slip[j] * problem_.friction[j] * problem_.delassus(i, normals + j) <= jammed * own)
+      return rows_.contacts()[i];
+  }
+  return -1;
+}
+
 double ModeDynamics::frictionPower() {
   double power = 0;
   if (rows_.tangents().empty())

@@ -159,6 +159,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
     return Trial::Failed;
   }
   indeterminate_ = solution.status == ContactStatus::Indeterminate;
+  forced_ = indeterminate_ && solution.forced >= 0 ? rows_.contacts()[solution.forced] : -1;
   writeMode(solution.mode);
   if (solution.degenerate.empty())
     return Trial::Consistent;
@@ -263,6 +264,7 @@ Selection ModeSelection::select(double time, const double *state, const Mode &pr
   }
   result.mode = mode_;
   result.indeterminate = indeterminate_;
+  result.contact = forced_;
   switch (trial) {
   case Trial::Consistent:
     result.status = SelectionStatus::Selected;

@@ -26,7 +26,7 @@ enum class SelectionStatus : std::uint8_t {
 struct Selection {
   SelectionStatus status = SelectionStatus::Failed;
   Mode mode;
-  int contact = -1;
+  int contact = -1;            // FrictionalImpulse: the contact that pushes; indeterminate: one with D_s < 0, or −1
   bool indeterminate = false;  // several solutions; the most open one was taken
   std::string text;
 };

@@ -116,6 +116,7 @@ private:
   tf_status step(double limit);
   tf_status handle(DetectedEvent event, double limit);
   tf_status comeToRest(const RestPoint &point);
+  tf_status jam(int contact);
   tf_status timeEvent();
   void commit();
   void observeInvariants();
@@ -381,7 +382,7 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     if (selection.indeterminate)
-      transitions.push_back({TF_EVENT_PAINLEVE, -1});
+      transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
     compareModes(previous, mode_, transitions);
     if (sensitivities_)
       sensitivities_->endEvent(rate_.data());
@@ -672,6 +673,21 @@ bool Simulation::Implementation::fallBack(SmoothIntegrator &integrator) {
   return true;
 }
 
+// The force of a contact grows beyond all bounds as D_s reaches zero (Génot and Brogliato, Eur. J. Mech. A/Solids 18, 1999): what follows
+// is a frictional impulse that ends the slip.
+tf_status Simulation::Implementation::jam(int contact) {
+  if (++eventsHere_ > mostEventsAtOneTime)
+    return fail(fmt::format("no consistent continuation: {} events at t = {:.10g} without progress", eventsHere_, time_));
+  beginEvent();
+  std::vector<Transition> transitions = {{TF_EVENT_PAINLEVE, contact}};
+  if (const tf_status status = freeze(transitions, contact); status != TF_OK)
+    return status;
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  report(transitions);
+  return TF_OK;
+}
+
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
@@ -682,6 +698,9 @@ tf_status Simulation::Implementation::step(double limit) {
       return failEvaluation();
     status = integrator_->step(limit);
   }
+  if (status != StepStatus::Done && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    if (const int contact = dynamics_.jammedContact(); contact >= 0)
+      return jam(contact);
   if (status == StepStatus::Unsolvable && dynamics_.failure() != EvaluationFailure::None)
     return failEvaluation();
   if (status != StepStatus::Done)
