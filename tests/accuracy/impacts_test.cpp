@@ -1,0 +1,372 @@
+// Examples with restitution, infinitely many impacts (Zeno) and Painlevé's paradox against closed forms and independent references.
+#include "tests/accuracy/compiled_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <gtest/gtest.h>
+#include <limits>
+
+namespace tf::test {
+namespace {
+
+constexpr double g = 9.81;
+constexpr std::array<tf_integrator, 3> kIntegrators = {TF_STEP, TF_EXPLICIT, TF_CVODE};
+
+int count(const CompiledModel &model, tf_event_kind kind) {
+  return static_cast<int>(std::count_if(model.events().begin(), model.events().end(), [=](const Event &e) { return e.kind == kind; }));
+}
+
+TEST(Impacts, BouncingBallRestsWhereItsBouncesAccumulate) {
+  for (const tf_integrator integrator : kIntegrators)
+    for (const double e : {0.3, 0.8, 0.95}) {
+      CompiledModel model(example("bouncing_ball.tf"), {{"e", e}});
+      model.tolerance(1e-9).integrator(integrator).initialise();
+      const double first = std::sqrt(2 / g), speed = g * first, end = first * (1 + e) / (1 - e);
+      const double tolerance = integrator == TF_CVODE ? 1e-6 : 1e-8;
+      // In the third flight.
+      const double landing = first + 2 * e * speed * (1 + e) / g, flight = e * e * speed * e / g;
+      model.advance(landing + flight);
+      EXPECT_NEAR(model["y"], std::pow(e, 6), tolerance);
+      EXPECT_NEAR(model["der(y)"], 0, tolerance);
+      model.advance(end + 1);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_REST), end, tolerance * end);
+      EXPECT_EQ(count(model, TF_EVENT_REST), 1);
+      EXPECT_LT(count(model, TF_EVENT_IMPACT), 6 + std::log(1e-4) / std::log(e));
+      EXPECT_NEAR(model["y"], 0, 1e-12);
+      EXPECT_EQ(model["der(y)"], 0.0);
+      EXPECT_NEAR(model["floor.normalForce"], 0.5 * g, 1e-12);
+      // Impulses of all impacts, and the numerical time that they took: rate = m g.
+      const double impulse = 0.5 * speed * (1 + e) / (1 - e);
+      EXPECT_NEAR(model["floor.impulse"], impulse, 10 * tolerance);
+      EXPECT_NEAR(model["tau"], end + impulse / (0.5 * g) + 2, 10 * tolerance * end);
+    }
+}
+
+TEST(Impacts, RestIsKnownWhateverTheOutputIs) {
+  const double end = std::sqrt(2 / g) * 1.8 / 0.2;
+  for (const double interval : {10.0, 0.3, 0.01, 1e-3}) {
+    CompiledModel model(example("bouncing_ball.tf"));
+    model.tolerance(1e-9).initialise();
+    for (int k = 1; k * interval < 5; ++k)
+      model.advance(k * interval);
+    model.advance(5);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_REST), end, 1e-8) << interval;
+  }
+}
+
+TEST(Impacts, PuckGoesToAndFroBetweenTwoWalls) {
+  CompiledModel model(example("two_walls.tf"));
+  model.tolerance(1e-9).initialise();
+  double time = 0.25, speed = 2;
+  int impacts = 0;
+  for (const double e : {0.7, 0.9, 0.7, 0.9, 0.7, 0.9}) {
+    speed *= e;
+    const double direction = impacts % 2 == 0 ? -1 : 1;
+    model.advance(time + 0.25 / speed);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT, impacts), time, 1e-9 * (1 + time));
+    EXPECT_NEAR(model["der(x)"], direction * speed, 1e-9);
+    EXPECT_NEAR(model["x"], 0.5 - direction * 0.25, 1e-8);
+    time += 1 / speed;
+    ++impacts;
+  }
+}
+
+// Each bounce takes slip as long as friction lasts; gripped, it rolls while it bounces on.
+TEST(Impacts, SuperballTurnsBack) {
+  for (const tf_integrator integrator : kIntegrators)
+    for (const double spin : {90.0, 0.0}) {
+      CompiledModel model(example("superball.tf"), {{"der(phi)", spin}});
+      model.tolerance(1e-9).integrator(integrator).initialise();
+      const double R = 0.025, mu = 0.6, e = 0.85;
+      double time = std::sqrt(2 * (0.5 - R) / g), speed = g * time, v = 0.5, w = spin;
+      const double end = time + 2 * e * speed / (g * (1 - e));
+      for (int bounce = 0; bounce < 12; ++bounce) {
+        const double slip = v + R * w;
+        const double impulse = std::copysign(std::min(mu * (1 + e) * speed, std::abs(slip) / 3.5), slip);
+        v -= impulse;
+        w -= impulse / (0.4 * R);
+        speed *= e;
+        model.advance(time + speed / g);
+        EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT, bounce), time, 1e-6);
+        EXPECT_NEAR(model["der(r[1])"], v, 1e-7);
+        EXPECT_NEAR(model["der(phi)"], w, 1e-5);
+        time += 2 * speed / g;
+      }
+      EXPECT_LT(v, spin > 0 ? 0 : 0.5);
+      EXPECT_NEAR(v + R * w, 0, 1e-12);
+      model.advance(end + 0.5);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_REST), end, 1e-6);
+      EXPECT_NEAR(model["der(r[1])"], v, 1e-7);
+      EXPECT_EQ(model["floor.sticking"], 1.0);
+    }
+}
+
+// Housner (1963): between impacts the block turns about a corner, an inverted pendulum; each impact takes the same share of the spin.
+class HousnerBlock {
+public:
+  // Angle to which the block rises from the spin w, and back: time 2 ∫ dφ/ω(φ).
+  [[nodiscard]] double swing(double w) const { return 2 * fall(slenderness_ - std::acos(std::cos(slenderness_) + w * w / (2 * k_))); }
+  // From rest at the tilt. With φ = tilt (1 − s²) the integrand is smooth.
+  [[nodiscard]] double fall(double tilt) const {
+    const int panels = 400;
+    double sum = 0;
+    for (int i = 0; i < panels; ++i)
+      for (const double node : {0.5 - std::sqrt(15) / 10, 0.5, 0.5 + std::sqrt(15) / 10}) {
+        const double s = (i + node) / panels, half = tilt * s * s / 2;
+        const double weight = node == 0.5 ? 4.0 / 9 : 5.0 / 18;
+        sum += weight / panels * 2 * tilt * s / std::sqrt(4 * k_ * std::sin(slenderness_ - tilt + half) * std::sin(half));
+      }
+    return sum;
+  }
+  [[nodiscard]] double spinAfterFall(double tilt) const {
+    return std::sqrt(2 * k_ * (std::cos(slenderness_ - tilt) - std::cos(slenderness_)));
+  }
+  // Time of the end of all impacts.
+  [[nodiscard]] double rest(double tilt) const {
+    double time = fall(tilt), w = share_ * spinAfterFall(tilt);
+    for (; w > 1e-6; w *= share_)
+      time += swing(w);
+    return time + 2 * w / (k_ * std::sin(slenderness_)) / (1 - share_);
+  }
+
+private:
+  static constexpr double b_ = 0.2, h_ = 0.6;
+  const double radius_ = std::hypot(b_, h_), slenderness_ = std::atan2(b_, h_), inertia_ = 4.0 / 3 * radius_ * radius_;
+  const double k_ = g * radius_ / inertia_;
+  const double share_ = (radius_ * radius_ / 3 + h_ * h_ - b_ * b_) / inertia_;
+};
+
+TEST(Impacts, RockingBlockRestsWhereItsImpactsAccumulate) {
+  const HousnerBlock block;
+  for (const tf_integrator integrator : kIntegrators) {
+    CompiledModel model(example("rocking_block.tf"));
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(5);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), block.fall(0.2), 1e-7);
+    EXPECT_EQ(count(model, TF_EVENT_REST), 2);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_REST), block.rest(0.2), integrator == TF_CVODE ? 2e-6 : 1e-7);
+    EXPECT_NEAR(model["phi"], 0, 1e-12);
+    EXPECT_NEAR(model["der(phi)"], 0, 1e-15);
+    EXPECT_NEAR(model["floor[1].normalForce"] + model["floor[2].normalForce"], g, 1e-10);
+  }
+}
+
+// The impacts of the reference trajectory, which has cut the tail off.
+TEST(Impacts, RockingBlockHasTheImpactsOfTheReference) {
+  const CsvTable events(TF_SOURCE_DIR "/tests/accuracy/reference/S12_rocking_events.csv");
+  CompiledModel model(example("rocking_block.tf"));
+  model.tolerance(1e-10).initialise();
+  model.advance(5);
+  for (int k = 0; k < 30; ++k)
+    EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT, k), events["t"][static_cast<std::size_t>(k) + 1], 1e-8) << k;
+}
+
+TEST(Impacts, PainleveRodLeavesTheFloor) {
+  for (const tf_integrator integrator : kIntegrators) {
+    CompiledModel model(example("painleve_rod.tf"));
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    EXPECT_NEAR(model["der(r[1])"], -6.666666666667, 1e-11);
+    EXPECT_NEAR(model["der(r[2])"], 3.849001794598, 1e-11);
+    EXPECT_NEAR(model["der(phi)"], 15.396007178391, 1e-11);
+    EXPECT_NEAR(model["floor[1].impulse"], 3.849001794598, 1e-11);
+    EXPECT_EQ(model["floor[1].closed"], 0.0);
+    ASSERT_EQ(model.events().size(), 1u);
+    EXPECT_EQ(model.events()[0].kind, TF_EVENT_PAINLEVE);
+    EXPECT_EQ(model.events()[0].element, 0);
+    model.advance(0.05);
+    EXPECT_NEAR(model["r[2]"], std::sqrt(3) / 4 + 3.849001794598 * 0.05 - 0.5 * g * 0.0025, 1e-9);
+    EXPECT_GT(model["floor[1].gap"], 0);
+  }
+}
+
+TEST(Impacts, PainleveRodReboundsWithRestitution) {
+  CompiledModel model(example("painleve_rod.tf"), {{"e", 0.5}});
+  model.tolerance(1e-9).initialise();
+  EXPECT_NEAR(model["floor[1].impulse"], 1.5 * 3.849001794598, 1e-11);
+  // The tip rises with D_stick times half the impulse.
+  const double c = 0.5 * std::cos(std::acos(-1.0) / 3), s = 0.5 * std::sin(std::acos(-1.0) / 3);
+  const double Dnn = 1 + 32 * c * c, Dnt = -32 * c * s, Dtt = 1 + 32 * s * s;
+  const double rise = model["der(r[2])"] - c * model["der(phi)"];
+  EXPECT_NEAR(rise, (Dnn - Dnt * Dnt / Dtt) * 0.5 * 3.849001794598, 1e-10);
+}
+
+// D_s < 0 but the tip rises: sliding on would be as consistent as opening, which is taken.
+TEST(Impacts, IndeterminateRodOpensAndSaysSo) {
+  const double spin = 6, rise = spin * 0.25;
+  CompiledModel model(example("painleve_rod.tf"), {{"der(phi)", spin}, {"der(r[2])", rise}});
+  model.tolerance(1e-9).initialise();
+  ASSERT_GE(model.events().size(), 1u);
+  EXPECT_EQ(model.events()[0].kind, TF_EVENT_PAINLEVE);
+  EXPECT_EQ(model.events()[0].element, 0);
+  EXPECT_EQ(model["floor[1].impulse"], 0.0);
+  EXPECT_EQ(model["der(r[1])"], -10.0);
+  model.advance(0.01);
+  EXPECT_GT(model["floor[1].gap"], 0);
+}
+
+// D_s reaches zero while the rod slides: its force grows without bound, and a frictional impulse ends the slip.
+TEST(Impacts, SlidingRodJams) {
+  std::vector<double> after;
+  for (const tf_integrator integrator : kIntegrators) {
+    CompiledModel model(example("painleve_rod.tf"),
+                        {{"psi", 0.5}, {"mu", 1.2}, {"der(phi)", 3}, {"der(r[2])", 1.5 * std::cos(0.5)}, {"der(r[1])", -5}});
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(0.12);
+    ASSERT_EQ(count(model, TF_EVENT_PAINLEVE), 1);
+    // D_s = D_nn − μ |D_nt| = 5 + 4 cos 2φ − 4.8 sin 2φ.
+    const double angle = 0.5 * (std::acos(-5 / std::hypot(4, 4.8)) - std::atan2(4.8, 4.0));
+    const double time = model.eventTime(TF_EVENT_PAINLEVE);
+    EXPECT_NEAR(model["phi"] - model["der(phi)"] * (0.12 - time), angle, 1e-8);
+    after.push_back(model["der(phi)"]);
+  }
+  EXPECT_NEAR(after[0], after[1], 1e-7);
+  EXPECT_NEAR(after[0], after[2], 1e-6);
+}
+
+// Equal masses without loss: the speed of the first ball passes to the last.
+TEST(Impacts, CradleHandsTheMotionThrough) {
+  CompiledModel model(example("newtons_cradle.tf"));
+  model.tolerance(1e-10).initialise();
+  const double energy = model.energy();
+  model.advance(0.29);
+  double speed = -model["der(phi[1])"];
+  EXPECT_EQ(count(model, TF_EVENT_IMPACT), 4);
+  EXPECT_NEAR(speed, 0, 1e-4);
+  for (int i = 2; i <= 4; ++i)
+    EXPECT_NEAR(model["phi[" + std::to_string(i) + "]"], 0, 1e-4);
+  EXPECT_GT(model["der(phi[5])"], 1);
+  double highest = 0;
+  for (double time = 0.3; time < 1; time += 1e-3) {
+    model.advance(time);
+    highest = std::max(highest, model["phi[5]"]);
+  }
+  EXPECT_NEAR(highest, 0.4, 1e-5);
+  EXPECT_NEAR(model.energy(), energy, 1e-9);
+}
+
+// Balls above each other, exactly: parabolas between impacts, in long double.
+struct ColumnReference {
+  std::vector<long double> y, v;
+  long double time = 0;
+
+  explicit ColumnReference(int n) : v(n, 0) {
+    for (int i = 1; i <= n; ++i)
+      y.push_back(0.2L + (2 * i - 1) * 0.05L + 0.01L * i * i);
+  }
+  void nextImpact(long double e) {
+    const auto n = y.size();
+    const long double gravity = 9.81L, gap = y[0] - 0.05L;
+    long double wait = (v[0] + std::sqrt(v[0] * v[0] + 2 * gravity * std::max(gap, 0.0L))) / gravity;
+    std::size_t contact = 0;
+    for (std::size_t i = 1; i < n; ++i) {
+      const long double approach = v[i - 1] - v[i], space = std::max(y[i] - y[i - 1] - 0.1L, 0.0L);
+      if (approach > 0 && space / approach < wait) {
+        wait = space / approach;
+        contact = i;
+      }
+    }
+    time += wait;
+    for (std::size_t i = 0; i < n; ++i) {
+      y[i] += v[i] * wait - gravity * wait * wait / 2;
+      v[i] -= gravity * wait;
+    }
+    if (contact == 0) {
+      v[0] *= -e;
+      return;
+    }
+    const long double mean = (v[contact] + v[contact - 1]) / 2, half = e * (v[contact] - v[contact - 1]) / 2;
+    v[contact - 1] = mean + half;
+    v[contact] = mean - half;
+  }
+};
+
+TEST(Impacts, ColumnCollapsesBallByBall) {
+  CompiledModel model(example("column.tf"));
+  model.tolerance(1e-11).initialise();
+  model.advance(4);
+  ColumnReference reference(4);
+  for (int k = 0; k < 60; ++k) {
+    reference.nextImpact(0.6L);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT, k), static_cast<double>(reference.time), 1e-8) << k;
+  }
+  for (int k = 60; k < 400; ++k)
+    reference.nextImpact(0.6L);
+  // All of these accumulate at one point, the first contact to rest.
+  EXPECT_NEAR(model.eventTime(TF_EVENT_REST), static_cast<double>(reference.time), 1e-8);
+  EXPECT_EQ(count(model, TF_EVENT_REST), 4);
+  for (int i = 1; i <= 4; ++i) {
+    EXPECT_NEAR(model["y[" + std::to_string(i) + "]"], (2 * i - 1) * 0.05, 1e-12);
+    EXPECT_EQ(model["touch[" + std::to_string(std::min(i, 3)) + "].closed"], 1.0);
+  }
+}
+
+// A ball that bounces down a slope with drag-free flight: slip falls by μ times the normal impulses, which are known at rest.
+TEST(Impacts, BallOnASlopeComesToRestInItsNormalDirectionOnly) {
+  const std::string file = sourceFile("slope.tf", R"(
+model Slope
+  parameter Real e = 0.7, mu = 0.2, a = 0.4;
+  coordinate Real r[2](start = {0, 0.5}, der(start = {4, 0}));
+  body ball(mass = 1, position = r);
+  gravity weight(acceleration = 9.81*{sin(a), -cos(a)});
+  contact floor(gap = r[2], slip = der(r[1]), friction = mu, restitution = e);
+end Slope;
+)");
+  for (const tf_integrator integrator : kIntegrators) {
+    CompiledModel model(file);
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(3);
+    const double down = g * std::sin(0.4), normal = g * std::cos(0.4), first = std::sqrt(1 / normal), end = first * 1.7 / 0.3;
+    EXPECT_NEAR(model.eventTime(TF_EVENT_REST), end, 1e-6);
+    EXPECT_NEAR(model["der(r[1])"], 4 + down * 3 - 0.2 * normal * 3, 1e-7);
+    EXPECT_NEAR(model["r[2]"], 0, 1e-12);
+  }
+}
+
+// Rod and box, thrown with spin: both ends or a face come to rest, by every integrator at the same time and place.
+TEST(Impacts, BouncingRodComesToRest) {
+  const std::string file = sourceFile("rod.tf", R"(
+model Rod
+  parameter Real e = 0.5, mu = 0.3;
+  coordinate Real r[2](start = {0, 1}, der(start = {1, 0}));
+  coordinate Real phi(start = 0.3, der(start = 0.5));
+  Real tip[2, 2] = {r - 0.5*{cos(phi), sin(phi)}, r + 0.5*{cos(phi), sin(phi)}};
+  body rod(mass = 1, position = r, angle = phi, inertia = 1/12);
+  gravity weight(acceleration = {0, -9.81});
+  contact floor[2](gap = tip[:, 2], slip = der(tip[:, 1]), each friction = mu, each restitution = e);
+end Rod;
+)");
+  std::vector<double> ends, places;
+  for (const tf_integrator integrator : kIntegrators) {
+    CompiledModel model(file);
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(5);
+    EXPECT_EQ(count(model, TF_EVENT_REST), 2);
+    EXPECT_NEAR(model["r[2]"], 0, 1e-10);
+    EXPECT_NEAR(model["phi"], 0, 1e-10);
+    EXPECT_EQ(model["floor[1].closed"] + model["floor[2].closed"], 2.0);
+    ends.push_back(model.eventTime(TF_EVENT_REST, 1));
+    places.push_back(model["r[1]"]);
+  }
+  for (const std::size_t other : {1u, 2u}) {
+    EXPECT_NEAR(ends[0], ends[other], 1e-7);
+    EXPECT_NEAR(places[0], places[other], 1e-8);
+  }
+}
+
+// A saved run goes on into rest as the one that was not interrupted.
+TEST(Impacts, RestAfterASavedState) {
+  CompiledModel model(example("bouncing_ball.tf"));
+  model.tolerance(1e-9).initialise();
+  std::vector<unsigned char> buffer(tf_state_size(model.simulation()));
+  for (double time = 0.01; time < 4.5; time += 0.01) {
+    model.advance(time);
+    ASSERT_EQ(tf_save_state(model.simulation(), buffer.data(), buffer.size()), TF_OK);
+    ASSERT_EQ(tf_restore_state(model.simulation(), buffer.data(), buffer.size()), TF_OK);
+  }
+  EXPECT_NEAR(model.eventTime(TF_EVENT_REST), std::sqrt(2 / g) * 9, 1e-8);
+  EXPECT_EQ(model["der(y)"], 0.0);
+}
+
+}  // namespace
+}  // namespace tf::test
