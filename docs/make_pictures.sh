@@ -23,6 +23,24 @@ picture den_hartog den_hartog.tf --interval 0.02
 picture moving_ground moving_ground.tf --interval 0.002
 picture pushed_block pushed_block.tf --interval 0.005
 
+# simulate NAME FILE [ARGS]: a result for a picture that several examples share; draw NAME: such a picture.
+simulate() {
+  local name=$1 file=$2
+  shift 2
+  "$build/tfc" run "$top/examples/$file" --quiet "$@" -o "$data/$name.csv"
+}
+draw() { "$build/tf_plot" "$top/docs/pictures/$1.plot" "$data" "$top/docs/$1.svg"; }
+
+simulate bouncing_ball bouncing_ball.tf --interval 0.005
+simulate superball superball.tf --stop-time 2 --interval 0.002
+simulate rocking_block rocking_block.tf --interval 0.005
+draw impacts
+simulate painleve_rod painleve_rod.tf --interval 0.001
+draw painleve
+simulate newtons_cradle newtons_cradle.tf --interval 0.002
+simulate column column.tf --stop-time 0.5 --interval 0.0005
+draw collisions
+
 # Errors of fixed-step runs, measured by the accuracy tests against an independent reference.
 if [ -x "$build/tests/accuracy/accuracy_test" ]; then
   TF_ORDER_TABLE=$data "$build/tests/accuracy/accuracy_test" --gtest_filter='*Order*' >/dev/null

@@ -676,6 +676,8 @@ bool Simulation::Implementation::fallBack(SmoothIntegrator &integrator) {
 // The force of a contact grows beyond all bounds as D_s reaches zero (Génot and Brogliato, Eur. J. Mech. A/Solids 18, 1999): what follows
 // is a frictional impulse that ends the slip.
 tf_status Simulation::Implementation::jam(int contact) {
+  if (sensitivities_)
+    return failSensitivities("a contact force that grows beyond all bounds");
   if (++eventsHere_ > mostEventsAtOneTime)
     return fail(fmt::format("no consistent continuation: {} events at t = {:.10g} without progress", eventsHere_, time_));
   beginEvent();
