@@ -700,11 +700,11 @@ tf_status Simulation::Implementation::step(double limit) {
       return failEvaluation();
     status = integrator_->step(limit);
   }
+  if (status == StepStatus::Unsolvable && dynamics_.failure() != EvaluationFailure::None)
+    return failEvaluation();
   if (status != StepStatus::Done && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     if (const int contact = dynamics_.jammedContact(); contact >= 0)
       return jam(contact);
-  if (status == StepStatus::Unsolvable && dynamics_.failure() != EvaluationFailure::None)
-    return failEvaluation();
   if (status != StepStatus::Done)
     return fail(fmt::format("the integrator cannot meet tolerance {:.3g} at t = {:.10g}", owner_.options.tolerance, time_));
   countStep();
