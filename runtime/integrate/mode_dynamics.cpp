@@ -430,7 +430,7 @@ void ModeDynamics::buildGuards() {
     if (!isPaired_[j] && (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative))
       guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
   for (std::size_t k = 0; k < pairs_.size(); ++k)
-    guards_.push_back({GuardKind::SlipAlong, static_cast<int>(k), 1, 1});
+    guards_.push_back({GuardKind::SlipAlong, static_cast<int>(k), 1, slipRounding_ / 1e-12});
   for (int j = 0; j < model.ns; ++j) {
     if (mode_.switches[j] == Switch::Sliding) {
       guards_.push_back({GuardKind::StepLow, j, 1, 1});

@@ -12,6 +12,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -96,6 +97,12 @@ public:
   void renewDirections(double time, const double *state);
   // ‖v_t‖ of a SlipAlong guard at the point of the last `switching`.
   [[nodiscard]] double slipSpeed(int guard) const;
+  // Slips below this part of the largest velocity (at least 1) have the reference direction: within the accuracy of velocities.
+  void setSlipAccuracy(double relative) { slipAccuracy_ = std::max(relative, 1e-12); }
+  // A slip of two components starts from zero at the last `start`: its direction is stiff at first, for any integrator that is not.
+  [[nodiscard]] bool launches() const { return launches_; }
+  // No slip of two components is small any more at the point of the last renewDirections.
+  [[nodiscard]] bool hasLaunched() const;
   // The direction of friction of a SlipAlong guard is the reference direction, whatever the slip is: for the last step to zero, in which
   // the slip no longer turns by more than the tolerance. `renewDirections` and `start` end that.
   void holdDirection(int guard, bool hold) { pairs_[guards_[guard].index].held = hold; }
@@ -146,6 +153,8 @@ private:
   ModeForces forces_;
   std::vector<std::uint8_t> isPaired_;  // nt
   std::vector<SlipPair> pairs_;
+  double slipAccuracy_ = 1e-12;
+  bool launches_ = false;
   double slipRounding_ = 0;          // slips below have the reference direction
   std::vector<double> slipByState_;  // d slip/d(q, v): two rows for each of pairs_
   std::vector<std::uint8_t> mask_, slidingMask_;

@@ -14,7 +14,7 @@ void ModeDynamics::chooseDirections(double time, const double *state) {
   double largest = 1;
   for (int i = 0; i < model.nv; ++i)
     largest = std::max(largest, std::abs(state[model.nq + i]));
-  slipRounding_ = 1e-12 * largest;
+  slipRounding_ = slipAccuracy_ * largest;
   for (int j = 0; j < problem_.tangentCount; ++j) {
     const int row = rows_.tangents()[j];
     if (problem_.partner[j] < j || contactMode_.slip[j] == 0)
@@ -26,8 +26,12 @@ void ModeDynamics::chooseDirections(double time, const double *state) {
     }
     pairs_.push_back(pair);
   }
-  if (!pairs_.empty())
-    renewDirections(time, state);
+  launches_ = false;
+  if (pairs_.empty())
+    return;
+  renewDirections(time, state);
+  for (const SlipPair &pair : pairs_)
+    launches_ = launches_ || std::hypot(at_.slip[pair.modelRow], at_.slip[pair.modelRow + 1]) <= 10 * slipRounding_;
 }
 
 void ModeDynamics::renewDirections(double time, const double *state) {
@@ -43,6 +47,13 @@ void ModeDynamics::renewDirections(double time, const double *state) {
     pair.c = x / speed;
     pair.s = y / speed;
   }
+}
+
+bool ModeDynamics::hasLaunched() const {
+  constexpr double small = 1e-2;
+  return std::all_of(pairs_.begin(), pairs_.end(), [this](const SlipPair &pair) {
+    return std::hypot(at_.slip[pair.modelRow], at_.slip[pair.modelRow + 1]) > small * slipRounding_ / slipAccuracy_;
+  });
 }
 
 double ModeDynamics::along(const SlipPair &pair) const { return pair.c * at_.slip[pair.modelRow] + pair.s * at_.slip[pair.modelRow + 1]; }

@@ -77,6 +77,7 @@ public:
   std::vector<double> parameters_;
 
   std::unique_ptr<SmoothIntegrator> primary_, fallback_;
+  std::unique_ptr<SmoothIntegrator> launch_;   // follows slips of two components from zero, where the primary one is not a collocation
   std::unique_ptr<SmoothIntegrator> bounces_;  // follows low bounces where the primary one is CVODE, which starts with steps of low order
   SmoothIntegrator *integrator_ = nullptr;
   std::unique_ptr<EventDetection> detection_;
@@ -238,6 +239,7 @@ void Simulation::Implementation::makeIntegrators() {
   IntegratorSettings settings;
   settings.tolerance = wanted.tolerance;
   settings.fixedStep = wanted.fixedStep;
+  dynamics_.setSlipAccuracy(0.05 * wanted.tolerance);
   settings.scale.assign(n_, 1.0);
   for (int k = 0; k < model_.variable_count; ++k) {
     const tf_variable &variable = model_.variables[k];
@@ -259,6 +261,10 @@ void Simulation::Implementation::makeIntegrators() {
     primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<Radau>(n_, stages));
   else
     primary_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<DormandPrince>(n_));
+  const std::vector<int> pairs = pairsOfTangents(model_);
+  launch_.reset();
+  if (wanted.integrator != TF_STEP && std::any_of(pairs.begin(), pairs.end(), [](int first) { return first >= 0; }))
+    launch_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<Radau>(n_, 4));
   if (wanted.integrator != TF_CVODE && wanted.fixedStep <= 0)
     fallback_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
   if (wanted.integrator == TF_CVODE)
@@ -273,7 +279,9 @@ void Simulation::Implementation::useIntegrator(SmoothIntegrator &integrator) {
 }
 
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
-void Simulation::Implementation::startIntegrator() { startIntegrator(*primary_); }
+// A slip of two components that starts from zero finds the direction of its friction within instants, in which the tolerance does not see
+// it: for collocation, whose stages obey the law of friction exactly.
+void Simulation::Implementation::startIntegrator() { startIntegrator(launch_ && dynamics_.launches() ? *launch_ : *primary_); }
 
 void Simulation::Implementation::startIntegrator(SmoothIntegrator &integrator) {
   useIntegrator(integrator);
@@ -481,9 +489,11 @@ void Simulation::Implementation::report(const std::vector<Transition> &transitio
 
 void Simulation::Implementation::countStep() {
   ++statistics_.steps;
-  if (integrator_ == fallback_.get() || (owner_.options.integrator == TF_CVODE && integrator_ != bounces_.get()))
+  if (integrator_ == fallback_.get() ||
+      (owner_.options.integrator == TF_CVODE && integrator_ != bounces_.get() && integrator_ != launch_.get()))
     ++statistics_.cvode_steps;
-  else if (owner_.options.integrator == TF_STEP || (owner_.options.integrator == TF_AUTO && owner_.options.stages > 0))
+  else if (integrator_ == launch_.get() || owner_.options.integrator == TF_STEP ||
+           (owner_.options.integrator == TF_AUTO && owner_.options.stages > 0))
     ++statistics_.step_steps;
   else
     ++statistics_.explicit_steps;
@@ -694,7 +704,8 @@ tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
   StepStatus status = integrator_->step(limit);
-  SmoothIntegrator *other = integrator_ == bounces_.get() ? primary_.get() : fallback_.get();
+  SmoothIntegrator *other =
+      integrator_ == bounces_.get() || (integrator_ == launch_.get() && !fallback_) ? primary_.get() : fallback_.get();
   if (status != StepStatus::Done && other != nullptr && integrator_ != other) {
     if (!fallBack(*other))
       return failEvaluation();
@@ -719,6 +730,8 @@ tf_status Simulation::Implementation::step(double limit) {
   dynamics_.renewDirections(time_, state_.data());
   if (!sensitivitiesAreGood_)
     return failSensitivities("the step that ends");
+  if (integrator_ == launch_.get() && dynamics_.hasLaunched() && !fallBack(*primary_))
+    return failEvaluation();
   if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack(*fallback_))
     return failEvaluation();
   return TF_OK;
@@ -862,7 +875,7 @@ const tf_statistics &Simulation::statistics() const {
   Implementation &run = *implementation_;
   tf_statistics &statistics = run.statistics_;
   statistics.rejected_steps = statistics.jacobians = statistics.newton_iterations = 0;
-  for (const SmoothIntegrator *integrator : {run.primary_.get(), run.fallback_.get(), run.bounces_.get()})
+  for (const SmoothIntegrator *integrator : {run.primary_.get(), run.fallback_.get(), run.bounces_.get(), run.launch_.get()})
     if (integrator != nullptr) {
       statistics.rejected_steps += integrator->statistics().rejected;
       statistics.jacobians += integrator->statistics().jacobians;
