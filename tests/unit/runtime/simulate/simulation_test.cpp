@@ -112,6 +112,50 @@ TEST_P(EveryIntegrator, RodReversesFrictionInsideTheImpact) {
   EXPECT_NEAR(run.eventTime(TF_EVENT_IMPACT), 0.31927542840705037, 1e-8);
 }
 
+// Pulled by F along x against friction R = μ m g, speed w at the angle ψ to x: dw/dψ = w (R/F − cos ψ)/sin ψ, so that for R = 2F
+// w = C tan²(ψ/2)/sin ψ and dt = −w dψ/(F sin ψ): rest at t = C/(2F) (u + u³/3), u = tan(ψ₀/2). The direction tends to that of the force.
+TEST_P(EveryIntegrator, SlidesOnACurveToRest) {
+  for (const double tolerance : {1e-6, 1e-9}) {
+    Trajectory run(test::particle3dModel(), {{"mu", 0.2}, {"g", 10}, {"u[1]", 1}, {"der(q[1])", 2}, {"der(q[2])", 1}}, GetParam(),
+                   tolerance);
+    run.to(3);
+    const double angle = std::atan2(1, 2), u = std::tan(angle / 2), C = std::sqrt(5) * std::sin(angle) / (u * u);
+    const auto x = [&](double psi) {
+      const double w = psi > 0 ? C * std::pow(std::tan(psi / 2), 2) / std::sin(psi) : 0;
+      return psi > 0 ? w * w * std::cos(psi) / std::sin(psi) : 0;
+    };
+    double position = 0;  // by Simpson's rule
+    constexpr int parts = 2000;
+    for (int k = 0; k <= parts; ++k)
+      position += x(angle * k / parts) * (k == 0 || k == parts ? 1 : k % 2 == 1 ? 4 : 2) * angle / (3 * parts);
+    EXPECT_NEAR(run.eventTime(TF_EVENT_STICK), C / 2 * (u + u * u * u / 3), 10 * tolerance);
+    EXPECT_NEAR(run("q[1]"), position, 10 * tolerance);
+    EXPECT_NEAR(run("der(q[1])"), 0, 1e-13);
+    EXPECT_NEAR(run("der(q[2])"), 0, 1e-13);
+    EXPECT_NEAR(run("floor.frictionForce[1]"), -1, 1e-9);
+    EXPECT_EQ(run("floor.sticking"), 1);
+  }
+}
+
+TEST_P(EveryIntegrator, SticksInThePlaneWithoutCreep) {
+  Trajectory run(test::particle3dModel(), {{"mu", 0.5}, {"g", 10}, {"u[1]", 3}, {"u[2]", -3.9}, {"der(q[1])", 0}, {"der(q[2])", 0}},
+                 GetParam());
+  run.to(1000);
+  EXPECT_EQ(run("q[1]"), 0);
+  EXPECT_EQ(run("q[2]"), 0);
+  EXPECT_NEAR(run("floor.frictionForce[2]"), 3.9, 1e-12);
+}
+
+TEST_P(EveryIntegrator, SlipStartsAlongThePull) {
+  Trajectory run(test::particle3dModel(), {{"mu", 0.5}, {"g", 10}, {"u[1]", 3}, {"u[2]", -4.1}, {"der(q[1])", 0}, {"der(q[2])", 0}},
+                 GetParam());
+  run.to(1);
+  const double pull = std::hypot(3, 4.1), acceleration = pull - 5;
+  EXPECT_NEAR(run("der(q[1])"), acceleration * 3 / pull, 1e-8);
+  EXPECT_NEAR(run("der(q[2])"), -acceleration * 4.1 / pull, 1e-8);
+  EXPECT_NEAR(run("floor.frictionForce[1]"), -5 * 3 / pull, 1e-6);
+}
+
 TEST_P(EveryIntegrator, BoxComesToRest) {
   Trajectory run(test::boxModel(), {}, GetParam());
   run.to(2);

@@ -1,0 +1,140 @@
+#include "runtime/contact/contact_solver.h"
+#include "runtime/contact/mode_forces.h"
+
+#include "tests/unit/runtime/contact/spatial_bodies.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+namespace tf::runtime {
+namespace {
+
+// All slips are zero; the free acceleration of the body is `acceleration`.
+ContactProblem problemOf(const test::SpatialBody &body, double friction, const Eigen::VectorXd &acceleration) {
+  const int contacts = static_cast<int>(body.rows.rows()) / 3;
+  ContactProblem problem;
+  problem.resize(contacts, 2 * contacts);
+  problem.delassus.map() = body.rows * body.mass.inverse() * body.rows.transpose();
+  Eigen::Map<Eigen::VectorXd>(problem.bias.data(), 3 * contacts) = body.rows * acceleration;
+  for (int j = 0; j < 2 * contacts; ++j) {
+    problem.owner[j] = j / 2;
+    problem.partner[j] = j ^ 1;
+    problem.friction[j] = friction;
+  }
+  return problem;
+}
+
+// Signorini's and Coulomb's conditions by forces and accelerations themselves.
+double violationOf(const ContactProblem &problem, const ContactSolution &solution) {
+  const int n = problem.normalCount;
+  double worst = 0;
+  for (int i = 0; i < n; ++i) {
+    const double force = solution.forces[i], acceleration = solution.accelerations[i];
+    const Eigen::Vector2d friction(solution.forces[n + 2 * i], solution.forces[n + 2 * i + 1]);
+    const Eigen::Vector2d slip(solution.accelerations[n + 2 * i], solution.accelerations[n + 2 * i + 1]);
+    const double limit = problem.friction[2 * i] * force;
+    worst = std::max({worst, -force, -acceleration, std::min(force, acceleration), friction.norm() - limit});
+    if (slip.norm() > 1e-8)
+      worst = std::max(worst, (friction + limit * slip.normalized()).norm());
+  }
+  return worst;
+}
+
+TEST(ConeFriction, RandomBodiesAtRest) {
+  std::mt19937 generator(3);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  ContactSolver solver;
+  int slips = 0, sticks = 0, open = 0, unsolved = 0;
+  for (int run = 0; run < 1000; ++run) {
+    const int contacts = 1 + run % 4;
+    const test::SpatialBody body = test::spatialBody(generator, contacts);
+    Eigen::VectorXd acceleration(6);
+    for (double &a : acceleration)
+      a = 5 * uniform(generator);
+    acceleration[2] -= 5;
+    const ContactProblem problem = problemOf(body, 0.5 * (1 + uniform(generator)), acceleration);
+    const ContactSolution &solution = solver.solve(problem);
+    if (solution.status != ContactStatus::Solved) {
+      ++unsolved;
+      continue;
+    }
+    EXPECT_LT(violationOf(problem, solution), 1e-7) << run;
+    for (int i = 0; i < contacts; ++i) {
+      open += !solution.mode.closed[i];
+      slips += solution.mode.closed[i] && solution.mode.slip[2 * i] != 0;
+      sticks += solution.mode.closed[i] && solution.mode.slip[2 * i] == 0;
+    }
+  }
+  EXPECT_LE(unsolved, 2);  // the iteration is not proved to converge
+  EXPECT_GT(slips, 200);
+  EXPECT_GT(sticks, 200);
+  EXPECT_GT(open, 200);
+}
+
+test::SpatialBody fourFeet() {
+  return test::spatialBody(2, 0.4 * Eigen::Matrix3d::Identity(), {{0.5, 0.4, 0}, {-0.5, 0.4, 0}, {-0.5, -0.4, 0}, {0.5, -0.4, 0}});
+}
+
+// Four feet in the plane of the centre, weight 20, μ = 0.5, pushed horizontally: forces within the cones until the push is 10.
+TEST(ConeFriction, FourFeetStickUntilNoForceIsAdmissible) {
+  ContactMode mode;
+  mode.resize(4, 8);
+  std::fill(mode.closed.begin(), mode.closed.end(), std::uint8_t{1});
+  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(6);
+  // A torque about y loads two feet more.
+  acceleration << 2, 0, -10, 0, 5, 0;
+  ModeForces forces;
+  ContactProblem problem = problemOf(fourFeet(), 0.5, acceleration);
+  ASSERT_TRUE(forces.start(problem, mode));
+  EXPECT_TRUE(forces.redundant());
+  double normal = 0;
+  for (int i = 0; i < 4; ++i) {
+    normal += forces.forces()[i];
+    EXPECT_LE(std::hypot(forces.forces()[4 + 2 * i], forces.forces()[5 + 2 * i]), 0.5 * forces.forces()[i]);
+  }
+  EXPECT_NEAR(normal, 20, 1e-10);
+  // The least-norm shares of the push leave the cones of the lighter feet; the heavier ones take over up to 10 altogether.
+  acceleration[0] = 4.9;
+  problem = problemOf(fourFeet(), 0.5, acceleration);
+  ASSERT_TRUE(forces.start(problem, mode));
+  ASSERT_EQ(forces.margins().size(), 1U);
+  // All feet can have the slack (10 − 9.8)/4 at once.
+  EXPECT_NEAR(forces.marginValues()[0], 0.05, 1e-9);
+  for (int i = 0; i < 4; ++i)
+    EXPECT_LE(std::hypot(forces.forces()[4 + 2 * i], forces.forces()[5 + 2 * i]), 0.5 * forces.forces()[i] + 1e-9);
+  acceleration[0] = 5.1;
+  problem = problemOf(fourFeet(), 0.5, acceleration);
+  EXPECT_FALSE(forces.start(problem, mode));
+}
+
+// At the border the next derivative decides: a growing push starts the slip of all feet along itself, a shrinking one does not.
+TEST(ConeFriction, FeetAtTheBorderFollowTheNextDerivative) {
+  Eigen::VectorXd acceleration = Eigen::VectorXd::Zero(6);
+  acceleration << 3, 4, -10, 0, 0, 0;
+  const ContactProblem problem = problemOf(fourFeet(), 0.5, acceleration);
+  ContactSolver solver;
+  for (const double growth : {1.0, -1.0}) {
+    const ContactSolution solution = solver.solve(problem);
+    ASSERT_EQ(solution.degenerate.size(), 4U);
+    ContactRates rates;
+    rates.resize(4, 8);
+    for (int i = 0; i < 4; ++i) {
+      rates.accelerationRate[4 + 2 * i] = 0.6 * growth;
+      rates.accelerationRate[5 + 2 * i] = 0.8 * growth;
+    }
+    const ContactSolution &resolved = solver.resolve(problem, solution, rates);
+    for (int i = 0; i < 4; ++i) {
+      EXPECT_EQ(resolved.mode.slip[2 * i], growth > 0 ? 1 : 0);
+      if (growth > 0) {
+        EXPECT_NEAR(resolved.mode.direction[2 * i], 0.6, 1e-9);
+        EXPECT_NEAR(resolved.mode.direction[2 * i + 1], 0.8, 1e-9);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tf::runtime
