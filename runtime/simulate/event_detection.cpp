@@ -52,14 +52,18 @@ double EventDetection::threshold(int guard) const {
   return (isForceGuard(g.kind) ? std::max(1e-9, tolerance) : integrator_->startingError()) * g.scale;
 }
 
+// Where a hop begins and ends: zero, but for a gap that starts clearly below it.
+double EventDetection::hopBase(int guard) const {
+  return start_[guard] < -rounding * dynamics_.guards()[guard].scale ? start_[guard] : 0;
+}
+
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
 double EventDetection::level(int guard) const {
   switch (armed_[guard]) {
   case Arming::ByValue:
     return 0;
   case Arming::BySpeed:
-    // Above rounding, as it is without hop().
-    return start_[guard] < -rounding * dynamics_.guards()[guard].scale ? start_[guard] : 0;
+    return hopBase(guard);
   case Arming::Not:
     break;
   }
@@ -69,10 +73,10 @@ double EventDetection::level(int guard) const {
 // A gap that leaves zero at a tiny speed returns before it can be told from rounding; the integral of its rate (trapezoidal rule, exact for
 // a ballistic hop) shows it all the same.
 double EventDetection::hop(int guard, double time, double gap, double rate) const {
-  const double scale = dynamics_.guards()[guard].scale;
-  if (!integrator_->startsToRounding() || start_[guard] > rounding * scale || std::abs(gap) > rounding * scale)
+  const double scale = dynamics_.guards()[guard].scale, base = hopBase(guard);
+  if (!integrator_->startsToRounding() || start_[guard] > rounding * scale || std::abs(gap - base) > rounding * scale)
     return gap;
-  return 0.5 * (time - startTime_) * (startRate_[guard] + rate);
+  return base + 0.5 * (time - startTime_) * (startRate_[guard] + rate);
 }
 
 void EventDetection::readGuards(double time, Sample &sample) {

@@ -48,6 +48,7 @@ private:
   double threshold(int guard) const;
   double hop(int guard, double time, double gap, double rate) const;
   double level(int guard) const;
+  double hopBase(int guard) const;
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
   bool nudge(int guard, double zero, double slope, double base, DetectedEvent &event);
