@@ -1,5 +1,5 @@
-// A column of n balls falls on the floor. With restitution the balls separate, collide with each other and the floor hundreds of times, and
-// come to rest on top of each other one after the other (Zeno with several contacts).
+// A column of n balls falls on the floor. The balls collide with the floor and with each other again and again, in ever shorter times at ever
+// lower speeds, and come to rest on top of each other one by one (Zeno with several contacts).
 //
 //   tfc run column.tf --event-log events.csv
 //   tfc run column.tf --set n=10 --stop-time 6

@@ -91,6 +91,25 @@ TEST(FrozenPhase, PainleveRodOfTheTheory) {
   EXPECT_LT(phase.breakpoints()[1].velocity[0], 0);
 }
 
+// D_s = 0: the gap rate stays zero while the impulse ends the slip.
+TEST(FrozenPhase, JammedContactLosesItsSlip) {
+  for (const double rounding : {0.0, 1e-10, -1e-10}) {
+    FrozenProblem problem;
+    problem.resize(1, 1);
+    problem.delassus.map() << 1 + rounding, 0.5, 0.5, 1;
+    problem.owner[0] = 0;
+    problem.friction[0] = 2;
+    problem.slipVelocity[0] = 1;
+    FrozenPhase phase;
+    const FrozenResult &result = phase.run(problem, 0);
+    EXPECT_EQ(result.status, FrozenStatus::Finished);
+    EXPECT_NEAR(result.impulse[0], 2.0 / 3, 1e-9);
+    EXPECT_NEAR(result.impulse[1], -4.0 / 3, 1e-9);
+    EXPECT_EQ(result.velocity[0], 0.0);
+    EXPECT_EQ(result.velocity[1], 0.0);
+  }
+}
+
 TEST(FrozenPhase, ForcedContactThatIsNotPressedInDoesNothing) {
   FrozenProblem problem;
   problem.resize(1, 0);
