@@ -200,6 +200,17 @@ Starts ModelInstance::starts(double startTime) const {
   place(starts.v, v_);
   place(starts.z, z_);
   place(starts.u, u_);
+  // What is set of a quaternion gives its direction only.
+  for (std::int32_t r = 0; r < model_->nr; ++r) {
+    const auto first = static_cast<std::size_t>(model_->quaternions[r]);
+    if (std::none_of(q_.begin() + model_->quaternions[r], q_.begin() + model_->quaternions[r] + 4,
+                     [](const Override &given) { return given.has_value(); }))
+      continue;
+    const double length =
+        std::hypot(std::hypot(starts.q[first], starts.q[first + 1]), std::hypot(starts.q[first + 2], starts.q[first + 3]));
+    for (std::size_t k = first; k < first + 4; ++k)
+      starts.q[k] /= length;
+  }
   return starts;
 }
 

@@ -50,7 +50,8 @@ public:
 
   // np values; those bound to others are up to date.
   [[nodiscard]] std::span<const double> parameters() const { return parameters_; }
-  // The model's starts with the set ones in their places; u: the model's starts or the constants set.
+  // The model's starts with the set ones in their places; u: the model's starts or the constants set. Quaternions of which a part is set
+  // are normalised.
   [[nodiscard]] Starts starts(double startTime) const;
   // Whether the start of coordinate, velocity or state `index`, or the input `index`, was set.
   [[nodiscard]] bool isSet(tf_kind kind, std::int32_t index) const;

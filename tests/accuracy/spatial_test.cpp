@@ -47,6 +47,21 @@ end FreeTop;
   }
 }
 
+// Set parts of a quaternion are normalised with the rest.
+TEST(FreeTop, NormalisesItsStart) {
+  CompiledModel model(sourceFile("set_top", R"(
+model SetTop
+  coordinate Rotation R;
+  body top(orientation = R, inertia = identity(3));
+end SetTop;
+)"),
+                      {{"R.q[1]", 3}, {"R.q[3]", 4}});
+  model.initialise();
+  EXPECT_DOUBLE_EQ(model["R.q[1]"], 0.6);
+  EXPECT_EQ(model["R.q[2]"], 0);
+  EXPECT_DOUBLE_EQ(model["R.q[3]"], 0.8);
+}
+
 // The linkage with angles and a constraint against the one with the crank's angle alone, whose other angles follow from the law of cosines.
 TEST(FourBar, AgreesWithMinimalCoordinates) {
   CompiledModel mixed(example("four_bar.tf"));
