@@ -389,6 +389,10 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
     modeValid_ = true;
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
+    // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
+    if (dynamics_.project(state_.data(), integrator_->settings().scale.data()) > 1e-15 &&
+        !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failEvaluation();
     if (selection.indeterminate)
       transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
     compareModes(previous, mode_, transitions);
