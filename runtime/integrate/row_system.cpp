@@ -1,5 +1,7 @@
 #include "runtime/integrate/row_system.h"
 
+#include "runtime/integrate/dot.h"
+
 #include <algorithm>
 #include <cassert>
 
@@ -32,6 +34,8 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   nv_ = model.nv;
   jacobian_.assign(static_cast<std::size_t>(count()) * nv_, 0.0);
   mobility_ = jacobian_;
+  begin_.assign(count(), 0);
+  end_.assign(count(), nv_);
   contactOf_.clear();
   side_.clear();
   frame_.assign(tangents.size(), Frame{});
@@ -61,15 +65,17 @@ void RowSystem::assemble(const ModelEvaluation &at, DenseMatrix &delassus, Conta
     else
       for (int k = 0; k < nv_; ++k)
         row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
+    begin_[i] = 0;
+    end_[i] = nv_;
+    while (begin_[i] < end_[i] && row[begin_[i]] == 0)
+      ++begin_[i];
+    while (end_[i] > begin_[i] && row[end_[i] - 1] == 0)
+      --end_[i];
     at.mobility.apply(row, mobility_.data() + i * nv_);
   }
   for (int i = 0; i < m; ++i)
-    for (int j = 0; j <= i; ++j) {
-      double sum = 0;
-      for (int k = 0; k < nv_; ++k)
-        sum += jacobian_[i * nv_ + k] * mobility_[j * nv_ + k];
-      delassus(i, j) = delassus(j, i) = sum;
-    }
+    for (int j = 0; j <= i; ++j)
+      delassus(i, j) = delassus(j, i) = product(i, mobility_.data() + j * nv_);
   for (int j = 0; j < m - n; ++j) {
     if (contactOf_[j] >= 0)
       rows.friction[j] = at.friction[contactOf_[j]];
@@ -115,15 +121,12 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
 
 void RowSystem::addForces(const double *forces, double *target) const {
   for (int i = 0; i < count(); ++i)
-    for (int k = 0; k < nv_; ++k)
+    for (int k = begin_[i]; k < end_[i]; ++k)
       target[k] += jacobian_[i * nv_ + k] * forces[i];
 }
 
 double RowSystem::product(int row, const double *x) const {
-  double sum = 0;
-  for (int k = 0; k < nv_; ++k)
-    sum += jacobian_[row * nv_ + k] * x[k];
-  return sum;
+  return dot(jacobian(row) + begin_[row], x + begin_[row], end_[row] - begin_[row]);
 }
 
 }  // namespace tf::runtime

@@ -52,6 +52,7 @@ private:
   std::vector<Frame> frame_;    // of the first row of a pair
   int nv_ = 0;
   std::vector<double> jacobian_, mobility_;  // count × nv, row-major
+  std::vector<int> begin_, end_;             // columns of J's rows outside which all is zero
 };
 
 // Tangential row of the model that the slip with two components begins with which `row` belongs to; −1 for a slip of one component.
