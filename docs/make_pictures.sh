@@ -22,6 +22,8 @@ picture stickslip stickslip.tf --stop-time 10 --interval 0.01
 picture den_hartog den_hartog.tf --interval 0.02
 picture moving_ground moving_ground.tf --interval 0.002
 picture pushed_block pushed_block.tf --interval 0.005
+picture particle3d particle3d.tf --interval 0.005
+picture dragged_table dragged_table.tf --interval 0.01
 
 # simulate NAME FILE [ARGS]: a result for a picture that several examples share; draw NAME: such a picture.
 simulate() {

@@ -629,7 +629,8 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   integrator_->interpolate(event.time, state.data());
   at_.setPoint(event.time, state.data());
   at_.switching(ModelEvaluation::Slips);
-  if (dynamics_.slipSpeed(event.guard) > 1e3 * allowed)
+  const double speed = dynamics_.slipSpeed(event.guard);
+  if (speed > 1e3 * allowed)
     return false;
   dynamics_.holdDirection(event.guard, true);
   if (detection_->locate(event)) {
@@ -639,7 +640,12 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
       return true;
   }
   dynamics_.holdDirection(event.guard, false);
-  return false;
+  if (speed > 10 * allowed)
+    return false;
+  // Other slips that have just begun may keep implicit equations from being solved to rounding: the interpolant is as good as the step.
+  std::copy(state.begin(), state.end(), integrator_->end());
+  integrator_->moveEnd(event.time);
+  return dynamics_.evaluate(event.time, integrator_->end(), integrator_->endRate());
 }
 
 // The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.

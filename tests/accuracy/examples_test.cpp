@@ -50,6 +50,40 @@ void expectFollows(CompiledModel &model, const DryFriction &problem, double end,
   }
 }
 
+// From the impact on, the wind W pulls along x against friction R = 2W: with the speed w at the angle ψ to x, w = C tan²(ψ/2)/sin ψ and
+// rest after C/(2W) (u + u³/3), u = tan(ψ₀/2).
+TEST(Examples, ParticleInSpaceComesToRestOnACurve) {
+  const double fall = std::sqrt(2 * 0.05 / 10), speed = std::hypot(2 + fall, 2), slip = speed - 0.2 * 10 * fall;
+  const double angle = std::atan2(2, 2 + fall), u = std::tan(angle / 2), C = slip * std::sin(angle) / (u * u);
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_CVODE}) {
+    CompiledModel model(example("particle3d.tf"));
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(4);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), fall, 1e-9);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_STICK), fall + C / 2 * (u + u * u * u / 3), 1e-8);
+    EXPECT_NEAR(model["der(q[1])"], 0, 1e-13);
+    EXPECT_NEAR(model["floor.frictionForce[1]"], -1, 1e-10);
+  }
+}
+
+// All feet leave at once, each in its own direction: independent integrators agree.
+TEST(Examples, TableTurnsAsSoonAsNoForceHoldsIt) {
+  CompiledModel reference(example("dragged_table.tf"));
+  reference.tolerance(1e-11).integrator(TF_STEP).initialise();
+  reference.advance(3);
+  for (const tf_integrator integrator : {TF_AUTO, TF_CVODE}) {
+    CompiledModel model(example("dragged_table.tf"));
+    model.tolerance(1e-8).integrator(integrator).initialise();
+    model.advance(1.9);
+    EXPECT_EQ(model["foot[1].sticking"], 1);
+    EXPECT_NEAR(model["psi"], 0, 1e-13);
+    model.advance(3);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_SLIP), reference.eventTime(TF_EVENT_SLIP), 1e-9);
+    for (const char *name : {"q[1]", "q[2]", "psi", "der(q[1])", "der(psi)"})
+      EXPECT_NEAR(model[name], reference[name], 1e-6) << name;
+  }
+}
+
 TEST(Examples, ParticleRestsAtHalfTheSpeedOfTime) {
   CompiledModel model(example("particle.tf"));
   model.tolerance(1e-9).initialise();
