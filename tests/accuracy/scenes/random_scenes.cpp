@@ -147,13 +147,104 @@ Scene planarScene(Random &random) {
   return scene;
 }
 
+struct SpatialKind {
+  bool hasBox;
+  int spheres;
+};
+
+constexpr std::array<SpatialKind, 5> spatialKinds = {{{true, 0}, {false, 1}, {false, 2}, {false, 3}, {true, 1}}};
+
+std::string spatialText(const SpatialKind &kind, const char *law) {
+  std::string text = "model Scene\n  parameter Real mu[4] = zeros(4), e[4] = zeros(4);\n  gravity weight(acceleration = {0, 0, -9.81});\n";
+  if (kind.hasBox)
+    text += fmt::format(R"(  parameter Real side[3] = ones(3), m = 1;
+  coordinate Real r[3];
+  coordinate Rotation Q;
+  Real corner[8, 3] = {{r + Q*{{(if mod(k, 2) == 0 then -side[1] else side[1]), (if mod(div(k, 2), 2) == 0 then -side[2] else side[2]),
+    (if div(k, 4) == 0 then -side[3] else side[3])}} for k in 0:7}};
+  body box(mass = m, position = r, orientation = Q, inertia = m/3*{{{{side[2]^2 + side[3]^2, 0, 0}}, {{0, side[1]^2 + side[3]^2, 0}}, {{0, 0, side[1]^2 + side[2]^2}}}});
+  contact box_floor[8](gap = corner[:, 3], slip = der(corner[:, 1:2]), each friction = mu[1], each restitution = e[1], each law = ImpactLaw.{});
+)",
+                        law);
+  for (int i = 1; i <= kind.spheres; ++i)
+    text += fmt::format(R"(  parameter Real R{0} = 0.2, m{0} = 1;
+  coordinate Real c{0}[3];
+  coordinate Rotation S{0};
+  Real w{0}[3] = S{0}*S{0}.w;
+  body sphere{0}(mass = m{0}, position = c{0}, orientation = S{0}, inertia = 0.4*m{0}*R{0}^2*identity(3));
+  contact sphere_floor{0}(gap = c{0}[3] - R{0}, slip = {{der(c{0}[1]) - R{0}*w{0}[2], der(c{0}[2]) + R{0}*w{0}[1]}}, friction = mu[2], restitution = e[2], law = ImpactLaw.{1});
+)",
+                        i, law);
+  // The tangents of a pair: two directions across the line of centres, which stays away from the vertical's opposite by construction of the
+  // frame {1 + n3 …} only where n3 > −1; spheres that lie on the floor have n3 near 0.
+  for (int i = 1; i <= kind.spheres; ++i)
+    for (int j = i + 1; j <= kind.spheres; ++j)
+      text += fmt::format(R"(  Real d{0}{1}[3] = c{1} - c{0};
+  Real s{0}{1} = sqrt(d{0}{1}*d{0}{1});
+  Real n{0}{1}[3] = d{0}{1}/s{0}{1};
+  Real v{0}{1}[3] = der(c{0}) - der(c{1}) + cross(R{0}*w{0} + R{1}*w{1}, n{0}{1});
+  contact pair{0}{1}(gap = s{0}{1} - R{0} - R{1}, slip = {{v{0}{1}[1] - n{0}{1}[1]*(n{0}{1}*v{0}{1}) - n{0}{1}[1]*(v{0}{1}[3] - n{0}{1}[3]*(n{0}{1}*v{0}{1}))/(1 + n{0}{1}[3]),
+    v{0}{1}[2] - n{0}{1}[2]*(n{0}{1}*v{0}{1}) - n{0}{1}[2]*(v{0}{1}[3] - n{0}{1}[3]*(n{0}{1}*v{0}{1}))/(1 + n{0}{1}[3])}}, friction = mu[3], restitution = e[3], law = ImpactLaw.{2});
+)",
+                          i, j, law);
+  return text + "end Scene;\n";
+}
+
+void addVector(Scene &scene, Random &random, const std::string &name, double largest) {
+  for (int k = 1; k <= 3; ++k)
+    scene.settings.emplace_back(fmt::format(fmt::runtime(name), k), random.between(-largest, largest));
+}
+
+void addBox(Scene &scene, Random &random) {
+  double reach = 0;
+  for (int k = 1; k <= 3; ++k) {
+    const double side = random.between(0.1, 0.4);
+    reach += side * side;
+    scene.settings.emplace_back(fmt::format("side[{}]", k), side);
+  }
+  scene.settings.emplace_back("m", random.between(0.2, 3));
+  scene.settings.emplace_back("r[3]", std::sqrt(reach) + random.between(0.05, 0.8));
+  addVector(scene, random, "der(r[{}])", 3);
+  addVector(scene, random, "Q.w[{}]", 6);
+}
+
+void addSphere(Scene &scene, Random &random, int number) {
+  const double radius = random.between(0.1, 0.3);
+  scene.settings.emplace_back(fmt::format("R{}", number), radius);
+  scene.settings.emplace_back(fmt::format("m{}", number), random.between(0.2, 3));
+  scene.settings.emplace_back(fmt::format("c{}[1]", number), 1.2 * number);
+  scene.settings.emplace_back(fmt::format("c{}[3]", number), radius + random.between(0.02, 0.6));
+  addVector(scene, random, fmt::format("der(c{}[{{}}])", number), 3);
+  addVector(scene, random, fmt::format("S{}.w[{{}}]", number), 20);
+}
+
+Scene spatialScene(Random &random) {
+  const SpatialKind &kind = spatialKinds[static_cast<std::size_t>(random.below(static_cast<int>(spatialKinds.size())))];
+  const int choice = random.below(8);
+  const char *law = laws[choice < 5 ? 0 : choice < 7 ? 1 : 2];
+  Scene scene;
+  scene.name = fmt::format("space, {} box, {} spheres, {}", kind.hasBox ? 1 : 0, kind.spheres, law);
+  scene.model = spatialText(kind, law);
+  scene.mayGainEnergy = choice == 7;
+  const bool isInelastic = random.below(2) == 0;
+  for (int k = 1; k <= 3; ++k) {
+    scene.settings.emplace_back(fmt::format("mu[{}]", k), random.coefficient(2));
+    scene.settings.emplace_back(fmt::format("e[{}]", k), isInelastic ? 0 : random.coefficient(1));
+  }
+  if (kind.hasBox)
+    addBox(scene, random);
+  for (int i = 1; i <= kind.spheres; ++i)
+    addSphere(scene, random, i);
+  return scene;
+}
+
 double cpuSeconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 }  // namespace
 
 Scene randomScene(std::uint64_t seed) {
   Random random(seed);
-  return planarScene(random);
+  return seed % 4 == 0 ? spatialScene(random) : planarScene(random);
 }
 
 SceneOutcome runScene(const Scene &scene) {
