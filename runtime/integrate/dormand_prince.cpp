@@ -25,11 +25,13 @@ constexpr double dense[] = {-12715105075.0 / 11282082432.0,  87487479700.0 / 327
 }  // namespace
 
 DormandPrince::DormandPrince(int size)
-    : ElementMethod(size), stages_(static_cast<std::size_t>(size) * 5), point_(size), begin_(size), beginRate_(size) {}
+    : ElementMethod(size), stages_(static_cast<std::size_t>(size) * 5), dense_(static_cast<std::size_t>(size) * 4), point_(size),
+      begin_(size), beginRate_(size) {}
 
 bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
                           double /*accuracy*/) {
   h_ = h;
+  hasDense_ = false;
   std::copy_n(y0, n_, begin_.begin());
   std::copy_n(f0, n_, beginRate_.begin());
   double *k[5];
@@ -54,14 +56,27 @@ bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, c
   return true;
 }
 
-void DormandPrince::interpolate(double theta, double *y) const {
+// y(theta) = y0 + theta (c0 + (1 − theta) (c1 + theta (c2 + (1 − theta) c3)))
+void DormandPrince::makeDense() const {
   const double *k3 = stages_.data() + n_, *k4 = k3 + n_, *k5 = k4 + n_, *k6 = k5 + n_;
   for (int i = 0; i < n_; ++i) {
-    const double change = end_[i] - begin_[i];
-    const double bend = h_ * beginRate_[i] - change;
-    const double last = h_ * (dense[0] * beginRate_[i] + dense[1] * k3[i] + dense[2] * k4[i] + dense[3] * k5[i] + dense[4] * k6[i] +
-                              dense[5] * endRate_[i]);
-    y[i] = begin_[i] + theta * (change + (1 - theta) * (bend + theta * (change - h_ * endRate_[i] - bend + (1 - theta) * last)));
+    double *c = dense_.data() + static_cast<std::ptrdiff_t>(i) * 4;
+    c[0] = end_[i] - begin_[i];
+    c[1] = h_ * beginRate_[i] - c[0];
+    c[2] = c[0] - h_ * endRate_[i] - c[1];
+    c[3] = h_ *
+           (dense[0] * beginRate_[i] + dense[1] * k3[i] + dense[2] * k4[i] + dense[3] * k5[i] + dense[4] * k6[i] + dense[5] * endRate_[i]);
+  }
+  hasDense_ = true;
+}
+
+void DormandPrince::interpolate(double theta, double *y) const {
+  if (!hasDense_)
+    makeDense();
+  const double rest = 1 - theta;
+  for (int i = 0; i < n_; ++i) {
+    const double *c = dense_.data() + static_cast<std::ptrdiff_t>(i) * 4;
+    y[i] = begin_[i] + theta * (c[0] + rest * (c[1] + theta * (c[2] + rest * c[3])));
   }
 }
 

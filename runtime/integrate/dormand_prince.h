@@ -20,7 +20,10 @@ public:
   [[nodiscard]] double errorOrder() const override { return 5; }
 
 private:
-  std::vector<double> stages_;  // k2 … k6, n each
+  std::vector<double> stages_;         // k2 … k6, n each
+  mutable std::vector<double> dense_;  // coefficients of the dense output, four for each component, once they have been asked for
+  mutable bool hasDense_ = false;
+  void makeDense() const;
   std::vector<double> point_, begin_, beginRate_;
   double h_ = 0;
 };

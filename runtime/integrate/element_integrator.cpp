@@ -69,7 +69,7 @@ bool ElementIntegrator::solve(double h, double accuracy) {
 }
 
 void ElementIntegrator::adopt(double time) {
-  endTime_ = time;
+  endTime_ = elementEnd_ = time;
   std::copy_n(method_->end(), n_, end_.begin());
   std::copy_n(method_->endRate(), n_, endRate_.begin());
   statistics_.jacobians = method_->jacobians;
@@ -135,7 +135,7 @@ bool ElementIntegrator::shorten(double time) {
 }
 
 void ElementIntegrator::interpolate(double time, double *state) {
-  method_->interpolate((time - beginTime_) / (endTime_ - beginTime_), state);
+  method_->interpolate((time - beginTime_) / (elementEnd_ - beginTime_), state);
 }
 
 }  // namespace tf::runtime

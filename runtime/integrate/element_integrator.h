@@ -16,6 +16,9 @@ public:
   StepStatus step(double limit) override;
   bool shorten(double time) override;
   void interpolate(double time, double *state) override;
+  // The interpolant's second derivative is off by its error times a few tens: at 1e-3 of a step beyond the end the state is off by some
+  // 1e-5 of the interpolant's error, which is of the order of the tolerance.
+  [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-3; }
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
   [[nodiscard]] double suggestedStep() const override { return next_; }
 
@@ -29,6 +32,7 @@ private:
   std::unique_ptr<ElementMethod> method_;
   std::vector<double> scale_;
   double next_ = 0;  // suggested length
+  double elementEnd_ = 0;
   bool first_ = true;
   bool moved_ = false;  // the end of the last step was accepted and is the next begin
   int unstableSteps_ = 0, stableSteps_ = 0;

@@ -31,7 +31,7 @@ ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
     isPaired_[j] = pair[j] >= 0;
 }
 
-bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
+bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate) {
   const tf_model &model = at_.model();
   mode_ = mode;
   std::vector<int> contacts, tangents;
@@ -78,7 +78,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state) {
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
 
   starting_ = true;
-  const bool good = evaluate(time, state, plus_.data());
+  const bool good = evaluate(time, state, rate);
   starting_ = false;
   if (good)
     buildGuards();

@@ -47,7 +47,9 @@ public:
   [[nodiscard]] const Mode &mode() const { return mode_; }
 
   // Begins the mode at (t, y). False: it has no admissible forces or cannot be evaluated there.
-  bool start(const Mode &mode, double time, const double *state);
+  bool start(const Mode &mode, double time, const double *state) { return start(mode, time, state, plus_.data()); }
+  // As well, with dy/dt there.
+  bool start(const Mode &mode, double time, const double *state, double *rate);
   // dy/dt; forces, accelerations and step variables are in model() afterwards. False: see failure().
   bool evaluate(double time, const double *state, double *rate);
   [[nodiscard]] EvaluationFailure failure() const { return failure_; }

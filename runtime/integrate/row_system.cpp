@@ -39,11 +39,13 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   contactOf_.clear();
   side_.clear();
   frame_.assign(tangents.size(), Frame{});
-  const std::vector<int> pair = pairsOfTangents(model);
-  const std::vector<int> owner = contactsOfTangents(model);
+  if (owner_.empty() && !tangents_.empty()) {
+    owner_ = contactsOfTangents(model);
+    pair_ = pairsOfTangents(model);
+  }
   for (std::size_t j = 0; j < tangents_.size(); ++j) {
-    contactOf_.push_back(owner[tangents_[j]]);
-    side_.push_back(pair[tangents_[j]] < 0 ? 0 : pair[tangents_[j]] == tangents_[j] ? 1 : 2);
+    contactOf_.push_back(owner_[tangents_[j]]);
+    side_.push_back(pair_[tangents_[j]] < 0 ? 0 : pair_[tangents_[j]] == tangents_[j] ? 1 : 2);
     problem.partner[j] = side_[j] == 0 ? -1 : static_cast<int>(j) + (side_[j] == 1 ? 1 : -1);
     if (contactOf_[j] < 0) {
       problem.owner[j] = -1;

@@ -47,9 +47,10 @@ private:
     double c = 1, s = 0;
   };
 
-  std::vector<int> contactOf_;  // of a tangential row: contact or −1
-  std::vector<int> side_;       // of a tangential row: 0 alone, 1 first of a pair, 2 second
-  std::vector<Frame> frame_;    // of the first row of a pair
+  std::vector<int> owner_, pair_;  // nt: of all tangential rows of the model
+  std::vector<int> contactOf_;     // of a tangential row: contact or −1
+  std::vector<int> side_;          // of a tangential row: 0 alone, 1 first of a pair, 2 second
+  std::vector<Frame> frame_;       // of the first row of a pair
   int nv_ = 0;
   std::vector<double> jacobian_, mobility_;  // count × nv, row-major
   std::vector<int> begin_, end_;             // columns of J's rows outside which all is zero

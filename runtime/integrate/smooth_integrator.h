@@ -37,8 +37,10 @@ public:
   virtual StepStatus step(double limit) = 0;
   // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy.
   virtual bool shorten(double time) = 0;
-  // State inside the last step.
+  // State inside the last step, or beyond its end by at most reach() of its length.
   virtual void interpolate(double time, double *state) = 0;
+  // As far the interpolant goes on smoothly, with the state and the rate that the step has at its end.
+  [[nodiscard]] virtual double reach() const { return 0; }
   // The caller has moved the end of the step by a trifle.
   void moveEnd(double time) { endTime_ = time; }
   // While a gap grows from zero its sign depends on errors far below the tolerance: a method whose first steps are of low order must be

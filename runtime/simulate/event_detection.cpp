@@ -53,9 +53,7 @@ double EventDetection::threshold(int guard) const {
 }
 
 // Where a hop begins and ends: zero, but for a gap that starts clearly below it.
-double EventDetection::hopBase(int guard) const {
-  return start_[guard] < -rounding * dynamics_.guards()[guard].scale ? start_[guard] : 0;
-}
+double EventDetection::hopBase(int guard) const { return start_[guard] < -rounding * dynamics_.guards()[guard].scale ? start_[guard] : 0; }
 
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
 double EventDetection::level(int guard) const {
@@ -76,11 +74,14 @@ double EventDetection::hop(int guard, double time, double gap, double rate) cons
   const double scale = dynamics_.guards()[guard].scale, base = hopBase(guard);
   if (!integrator_->startsToRounding() || start_[guard] > rounding * scale || std::abs(gap - base) > rounding * scale)
     return gap;
-  return base + 0.5 * (time - startTime_) * (startRate_[guard] + rate);
+  const double integral = 0.5 * (time - startTime_) * (startRate_[guard] + rate);
+  return std::abs(integral) <= 10 * rounding * scale ? base + integral : gap;
 }
 
 void EventDetection::readGuards(double time, Sample &sample) {
   sample.time = time;
+  sample.value.resize(dynamics_.guards().size());
+  sample.rate.resize(dynamics_.guards().size());
   dynamics_.guardValues(sample.value.data());
   dynamics_.guardRates(sample.rate.data());
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k)
@@ -120,21 +121,13 @@ double EventDetection::guardInside(int guard, double time) {
   return guardAt(guard, time, state_.data());
 }
 
-void EventDetection::restart(double time, const double *state, double speedOfRounding) {
+void EventDetection::restart(double time, double speedOfRounding) {
   const std::size_t count = dynamics_.guards().size();
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
-  const auto resize = [count](Sample &s) {
-    s.value.assign(count, 0.0);
-    s.rate.assign(count, 0.0);
-  };
-  resize(begin_);
-  resize(end_);
-  resize(middle_);
-  std::for_each(pool_.begin(), pool_.end(), resize);
   start_.assign(count, std::numeric_limits<double>::infinity());
   startTime_ = time;
-  sample(time, state, begin_);
+  readGuards(time, begin_);
   start_ = begin_.value;
   startRate_ = begin_.rate;
   armed_.assign(count, Arming::Not);
@@ -154,17 +147,34 @@ void EventDetection::watchStart() {
   integrator_->setCareful(watched_);
 }
 
-// The first zero in [low, high] on the interpolant by the Illinois method.
-void EventDetection::bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first) {
-  if (first.guard >= 0 && low >= first.time)
-    return;
-  const double zero = level(guard);
-  double a = low, fa = std::max(lowValue - zero, 0.0), b = high, fb = highValue - zero;
+// A zero of a gap, which has a rate, by Newton's method in the bracket; `x` is the first guess.
+void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent &event) {
+  const int contact = dynamics_.guards()[guard].index;
+  double a = event.low, b = event.high;
+  for (int k = 0; k < 60; ++k) {
+    const double value = guardInside(guard, x) - zero;
+    event.slope = dynamics_.model().gapRate[contact];
+    (value >= 0 ? a : b) = x;
+    event.time = x;
+    double next = x - value / event.slope;
+    if (!(next > a && next < b))
+      next = 0.5 * (a + b);
+    if (std::abs(next - x) <= 1e-9 * (event.high - event.low))
+      return;
+    x = next;
+  }
+}
+
+// By the Illinois method.
+void EventDetection::illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event) {
+  double a = event.low, fa = lowValue, b = event.high, fb = highValue;
+  double weightA = 1, weightB = 1;  // of the values, in the interpolation
   int side = 0;
   // A gap that starts at zero is positive before it returns: halved until that is seen, however soon the return is.
-  const double smallest = 8 * std::numeric_limits<double>::epsilon() * std::abs(high);
-  for (int k = 0; k < 80 && b - a > (fa > 0 ? 1e-9 * (high - low) : smallest); ++k) {
-    double x = fa - fb > 0 ? (fa * b - fb * a) / (fa - fb) : 0.5 * (a + b);
+  const double smallest = 8 * std::numeric_limits<double>::epsilon() * std::abs(b), close = 1e-9 * (b - a);
+  for (int k = 0; k < 80 && b - a > (fa > 0 ? close : smallest); ++k) {
+    const double pa = weightA * fa, pb = weightB * fb;
+    double x = pa - pb > 0 ? (pa * b - pb * a) / (pa - pb) : 0.5 * (a + b);
     if (!(x > a && x < b))
       x = 0.5 * (a + b);
     const double fx = guardInside(guard, x) - zero;
@@ -173,19 +183,35 @@ void EventDetection::bracket(int guard, double low, double lowValue, double high
     if (fx >= 0) {
       a = x;
       fa = fx;
-      if (side == 1)
-        fb *= 0.5;
+      weightA = 1;
+      weightB = side == 1 ? 0.5 * weightB : 1;
       side = 1;
     } else {
       b = x;
       fb = fx;
-      if (side == -1)
-        fa *= 0.5;
+      weightB = 1;
+      weightA = side == -1 ? 0.5 * weightA : 1;
       side = -1;
     }
   }
-  if (first.guard < 0 || b < first.time)
-    first = {guard, b, low, high, b > a ? (fb - fa) / (b - a) : 0};
+  event.time = b;
+  event.slope = b > a ? (fb - fa) / (b - a) : 0;
+}
+
+// The first zero of a guard between samples of different signs, on the interpolant.
+void EventDetection::bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first) {
+  if (first.guard >= 0 && low.time >= first.time)
+    return;
+  const double zero = level(guard);
+  const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
+  DetectedEvent event{guard, high.time, low.time, high.time, 0};
+  const double secant = (low.time * atHigh - high.time * atLow) / (atHigh - atLow);
+  if (dynamics_.guards()[guard].kind == GuardKind::Gap && armed_[guard] && atLow > 0 && high.rate[guard] < 0)
+    newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], secant), event);
+  else
+    illinoisZero(guard, zero, atLow, atHigh, event);
+  if (first.guard < 0 || event.time < first.time)
+    first = event;
 }
 
 // A gap that may come near zero between the samples: its own rates could take it there.
@@ -205,7 +231,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
     if (a.value[k] > threshold(guard))
       armed_[k] = Arming::ByValue;
     if (b.value[k] < level(guard))
-      bracket(guard, a.time, a.value[k], b.time, b.value[k], first);
+      bracket(guard, a, b, first);
     divide = divide || mayDip(guard, a, b);
   }
   if (!divide || depth >= deepest)
@@ -250,10 +276,13 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
     if (least > 0.2 * std::min({a.value[k], middle.value[k], b.value[k]}))
       continue;
     const double time = a.time + s * h;
-    const double value = guardInside(static_cast<int>(k), time);
-    if (value < 0)
-      bracket(static_cast<int>(k), time < middle.time ? a.time : middle.time, time < middle.time ? a.value[k] : middle.value[k], time,
-              value, first);
+    Sample &bottom = pool_[0];
+    bottom.time = time;
+    bottom.value.resize(dynamics_.guards().size());
+    bottom.rate.resize(dynamics_.guards().size());
+    bottom.value[k] = guardInside(static_cast<int>(k), time);
+    if (bottom.value[k] < 0)
+      bracket(static_cast<int>(k), time < middle.time ? a : middle, bottom, first);
   }
 }
 
@@ -298,12 +327,16 @@ bool EventDetection::locate(DetectedEvent &event) {
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x))
       return false;
+    // The guard is zero where the event's state will be: on the closed contacts.
+    dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
     readGuards(x, end_);
     const double value = end_.value[guard] - zero;
     (value >= 0 ? low : high) = x;
     if (!std::isnan(end_.rate[guard]))
       slope = end_.rate[guard];
     const double correction = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
+    if (std::abs(correction) <= integrator_->reach() * (x - begin) && extend(guard, zero, slope, x, event))
+      return true;
     if (std::abs(correction) <= 1e-5 * (x - begin))
       return nudge(guard, zero, slope, x, event);
     double next = x + correction;
@@ -321,6 +354,45 @@ bool EventDetection::locate(DetectedEvent &event) {
       return true;
     }
     x = next;
+  }
+  event.time = x;
+  return true;
+}
+
+// From the element's end at `base`, projected, along the interpolant to the zero nearby; the rate at the end stays that at `base`. False:
+// no zero within the interpolant's reach.
+bool EventDetection::extend(int guard, double zero, double slope, double base, DetectedEvent &event) {
+  const double farthest = integrator_->reach() * (base - integrator_->beginTime());
+  const double resolution = 0.5 * std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
+  const int n = dynamics_.size();
+  double x = base, value = end_.value[guard] - zero;
+  integrator_->interpolate(base, state_.data());
+  nudgeBase_.resize(n);
+  for (int i = 0; i < n; ++i)
+    nudgeBase_[i] = integrator_->end()[i] - state_[i];
+  const bool isGap = dynamics_.guards()[guard].kind == GuardKind::Gap;
+  for (int k = 0; k < 8; ++k) {
+    const double next = x - value / slope;
+    if (!(std::abs(next - base) <= farthest))
+      return false;
+    if (std::abs(next - x) <= resolution)
+      break;
+    const double before = value, step = next - x;
+    x = next;
+    integrator_->interpolate(x, state_.data());
+    for (int i = 0; i < n; ++i)
+      state_[i] += nudgeBase_[i];
+    value = guardAt(guard, x, state_.data()) - zero;
+    if (isGap)
+      slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
+    else if (value != before && std::abs(step) > 8 * resolution)
+      slope = (value - before) / step;
+    if (!(slope < 0))
+      return false;
+  }
+  if (x != base) {
+    std::copy(state_.begin(), state_.end(), integrator_->end());
+    integrator_->moveEnd(x);
   }
   event.time = x;
   return true;

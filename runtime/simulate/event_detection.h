@@ -20,9 +20,9 @@ public:
   EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integrator);
 
   void setIntegrator(SmoothIntegrator &integrator) { integrator_ = &integrator; }
-  // A new mode begins at (time, state), where the dynamics has just been evaluated.
+  // A new mode begins at `time`, in the state of the dynamics' last evaluation.
   // Gaps that start at zero with a larger rate than `speedOfRounding` are open.
-  void restart(double time, const double *state, double speedOfRounding);
+  void restart(double time, double speedOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
   // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
@@ -44,13 +44,16 @@ private:
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
   void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
-  void bracket(int guard, double low, double lowValue, double high, double highValue, DetectedEvent &first);
+  void bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first);
+  void newtonZero(int guard, double zero, double x, DetectedEvent &event);
+  void illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event);
   double threshold(int guard) const;
   double hop(int guard, double time, double gap, double rate) const;
   double level(int guard) const;
   double hopBase(int guard) const;
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
+  bool extend(int guard, double zero, double slope, double base, DetectedEvent &event);
   bool nudge(int guard, double zero, double slope, double base, DetectedEvent &event);
 
   ModeDynamics &dynamics_;

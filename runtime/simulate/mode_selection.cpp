@@ -8,8 +8,8 @@
 namespace tf::runtime {
 
 ModeSelection::ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances)
-    : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), candidates_(at_.model().nc),
-      mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()), freeAcceleration_(at_.model().nv) {}
+    : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), contactOf_(contactsOfTangents(at_.model())),
+      candidates_(at_.model().nc), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()), freeAcceleration_(at_.model().nv) {}
 
 double ModeSelection::velocityTolerance(const double *state) const {
   const tf_model &model = at_.model();
@@ -77,9 +77,8 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
   at_.setPoint(time, state);
   at_.contactTerms(mask_.data());
-  const std::vector<int> owner = contactsOfTangents(model);
   for (int j = 0; j < model.nt; ++j)
-    if (owner[j] < 0 || (candidates_[owner[j]] && at_.friction[owner[j]] > 0))
+    if (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && at_.friction[contactOf_[j]] > 0))
       tangents.push_back(j);
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);
@@ -164,7 +163,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   if (solution.degenerate.empty())
     return Trial::Consistent;
   const ContactSolution undecided = solution;
-  if (!dynamics_.start(mode_, time, state) || !dynamics_.evaluate(time, state, rate_.data()))
+  if (!dynamics_.start(mode_, time, state, rate_.data()))
     return Trial::Consistent;
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
   writeMode(solver_.resolve(problem_, undecided, rates_, &previousContacts_).mode);
@@ -224,7 +223,7 @@ ModeSelection::Trial ModeSelection::tryAssignment(double time, const double *sta
     const Trial contacts = solveContacts(time, state);
     if (contacts != Trial::Consistent)
       return contacts;
-    if (!dynamics_.start(mode_, time, state) || !dynamics_.evaluate(time, state, rate_.data()))
+    if (!dynamics_.start(mode_, time, state, rate_.data()))
       return sliding ? Trial::Inconsistent : Trial::Failed;
     if (!sliding || found == mode_)
       return conditionsHold(time, state) ? Trial::Consistent : Trial::Inconsistent;

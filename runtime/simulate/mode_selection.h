@@ -41,8 +41,11 @@ class ModeSelection {
 public:
   ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances = {});
 
-  // The dynamics is started in the mode that is returned (status Selected).
+  // The dynamics is started in the mode that is returned (status Selected), with its last evaluation at the state.
   Selection select(double time, const double *state, const Mode &previous, SwitchHint hint = {});
+
+  // dy/dt of the selected mode at the state it was selected for.
+  [[nodiscard]] const std::vector<double> &rate() const { return rate_; }
 
   // Contacts with gap ≤ tolerance at the state; `approaching`: only those whose gap rate is below −tolerance.
   [[nodiscard]] std::vector<int> touching(double time, const double *state, bool approaching);
@@ -75,6 +78,7 @@ private:
   Mode mode_;
   std::vector<int> surfaces_;                    // switches on their surfaces
   std::vector<std::vector<Switch>> choices_;     // of each, in order of preference
+  std::vector<int> contactOf_;                   // nt, see contactsOfTangents
   std::vector<std::uint8_t> candidates_, mask_;  // nc; nc + nf
   std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;

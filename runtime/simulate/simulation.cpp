@@ -38,7 +38,7 @@ public:
   Implementation(Simulation &owner, ModelInstance &instance, InputSignals &inputs)
       : owner_(owner), model_(instance.model()), instance_(instance), inputs_(inputs), at_(model_, inputs), dynamics_(at_),
         selection_(dynamics_), impact_(at_), rest_(dynamics_, selection_), values_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_),
-        before_(n_), impulse_(model_.nc), beforeValues_(model_.variable_count) {}
+        before_(n_), pairOf_(pairsOfTangents(model_)), impulse_(model_.nc), beforeValues_(model_.variable_count) {}
 
   tf_status initialise(double startTime);
   tf_status advanceTo(double time);
@@ -64,6 +64,7 @@ public:
 
   double time_ = 0;
   std::vector<double> state_, rate_, before_;  // q, v, z, tau; its rate; state before the event that is being handled
+  std::vector<int> pairOf_;                    // nt, see pairsOfTangents
   std::vector<double> impulse_;
   std::vector<double> beforeValues_, beforeSensitivities_;
   Mode mode_;
@@ -76,9 +77,10 @@ public:
   tf_statistics statistics_ = {};
   std::vector<double> parameters_;
 
-  std::unique_ptr<SmoothIntegrator> primary_, fallback_;
+  std::unique_ptr<SmoothIntegrator> primary_, fallback_;  // the fallback is made when it is needed first
   std::unique_ptr<SmoothIntegrator> launch_;   // follows slips of two components from zero, where the primary one is not a collocation
   std::unique_ptr<SmoothIntegrator> bounces_;  // follows low bounces where the primary one is CVODE, which starts with steps of low order
+  bool mayFallBack_ = false;
   SmoothIntegrator *integrator_ = nullptr;
   std::unique_ptr<EventDetection> detection_;
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
@@ -113,6 +115,7 @@ private:
   bool locateStop(DetectedEvent &event);
   tf_status followTurn(const DetectedEvent &event);
   bool skipTo(double limit);
+  SmoothIntegrator *fallback();
   bool fallBack(SmoothIntegrator &integrator);
   tf_status step(double limit);
   tf_status handle(DetectedEvent event, double limit);
@@ -265,8 +268,7 @@ void Simulation::Implementation::makeIntegrators() {
   launch_.reset();
   if (wanted.integrator != TF_STEP && std::any_of(pairs.begin(), pairs.end(), [](int first) { return first >= 0; }))
     launch_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<Radau>(n_, 4));
-  if (wanted.integrator != TF_CVODE && wanted.fixedStep <= 0)
-    fallback_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
+  mayFallBack_ = wanted.integrator != TF_CVODE && wanted.fixedStep <= 0;
   if (wanted.integrator == TF_CVODE)
     bounces_ = std::make_unique<ElementIntegrator>(dynamics_, settings, std::make_unique<DormandPrince>(n_));
   detection_ = std::make_unique<EventDetection>(dynamics_, *primary_);
@@ -285,7 +287,7 @@ void Simulation::Implementation::startIntegrator() { startIntegrator(launch_ && 
 
 void Simulation::Implementation::startIntegrator(SmoothIntegrator &integrator) {
   useIntegrator(integrator);
-  detection_->restart(time_, state_.data(), 0.5 * selection_.velocityTolerance(state_.data()));
+  detection_->restart(time_, 0.5 * selection_.velocityTolerance(state_.data()));
   integrator_->start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_->watchStart();
 }
@@ -387,8 +389,7 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
     }
     mode_ = std::move(selection.mode);
     modeValid_ = true;
-    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
-      return failEvaluation();
+    std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
     // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
     if (dynamics_.project(state_.data(), integrator_->settings().scale.data()) > 1e-15 &&
         !dynamics_.evaluate(time_, state_.data(), rate_.data()))
@@ -445,10 +446,9 @@ void Simulation::Implementation::compareModes(const Mode &from, const Mode &to, 
   for (int i = 0; i < model_.nc; ++i)
     if (from.closed[i] != to.closed[i])
       transitions.push_back({to.closed[i] ? TF_EVENT_CLOSING : TF_EVENT_OPENING, i});
-  const std::vector<int> pair = pairsOfTangents(model_);
   for (int j = 0; j < model_.nt; ++j) {
     const Tangent a = from.tangent[j], b = to.tangent[j];
-    if (a == b || b == Tangent::None || (pair[j] >= 0 && pair[j] < j))
+    if (a == b || b == Tangent::None || (pairOf_[j] >= 0 && pairOf_[j] < j))
       continue;
     const int element = elementOfTangent(j);
     if (b == Tangent::Stick)
@@ -679,8 +679,16 @@ bool Simulation::Implementation::skipTo(double limit) {
   for (int i = 0; i < n_; ++i)
     state_[i] += h * rate_[i];
   time_ = limit;
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return false;
   startIntegrator();
   return true;
+}
+
+SmoothIntegrator *Simulation::Implementation::fallback() {
+  if (mayFallBack_ && !fallback_)
+    fallback_ = std::make_unique<CvodeIntegrator>(dynamics_, primary_->settings());
+  return fallback_.get();
 }
 
 // Another integrator takes over for the rest of the mode.
@@ -714,9 +722,10 @@ tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
   StepStatus status = integrator_->step(limit);
-  SmoothIntegrator *other =
-      integrator_ == bounces_.get() || (integrator_ == launch_.get() && !fallback_) ? primary_.get() : fallback_.get();
-  if (status != StepStatus::Done && other != nullptr && integrator_ != other) {
+  SmoothIntegrator *other = nullptr;
+  if (status != StepStatus::Done)
+    other = integrator_ == bounces_.get() || (integrator_ == launch_.get() && !mayFallBack_) ? primary_.get() : fallback();
+  if (other != nullptr && integrator_ != other) {
     if (!fallBack(*other))
       return failEvaluation();
     status = integrator_->step(limit);
@@ -742,7 +751,7 @@ tf_status Simulation::Implementation::step(double limit) {
     return failSensitivities("the step that ends");
   if (integrator_ == launch_.get() && dynamics_.hasLaunched() && !fallBack(*primary_))
     return failEvaluation();
-  if (owner_.options.integrator == TF_AUTO && fallback_ && integrator_->isStiff() && !fallBack(*fallback_))
+  if (owner_.options.integrator == TF_AUTO && mayFallBack_ && integrator_->isStiff() && !fallBack(*fallback()))
     return failEvaluation();
   return TF_OK;
 }
@@ -814,7 +823,7 @@ void Simulation::Implementation::save(void *buffer) {
   write(mode_.direction.data(), mode_.direction.size() * sizeof(double));
   // The saved point is where both continuations begin anew.
   rest_.read(impacts.data());
-  if (modeValid_ && dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+  if (modeValid_ && dynamics_.start(mode_, time_, state_.data(), rate_.data()))
     startIntegrator();
 }
 
@@ -847,7 +856,7 @@ void Simulation::Implementation::restore(const void *buffer) {
   read(mode_.direction.data(), mode_.direction.size() * sizeof(double));
   error_.clear();
   enterSegment();
-  modeValid_ = dynamics_.start(mode_, time_, state_.data()) && dynamics_.evaluate(time_, state_.data(), rate_.data());
+  modeValid_ = dynamics_.start(mode_, time_, state_.data(), rate_.data());
   if (modeValid_)
     startIntegrator();
 }
