@@ -551,6 +551,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return TF_OK;
   }
   beginEvent();
+  if (sensitivities_ && !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
   if (sensitivities_ && !sensitivities_->beginEvent(time_, state_.data(), rate_.data(), event.guard))
     return failSensitivities("an event where a switching function touches zero");
   SwitchHint hint;
