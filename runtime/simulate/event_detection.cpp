@@ -206,7 +206,7 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   const double secant = (low.time * atHigh - high.time * atLow) / (atHigh - atLow);
-  if (dynamics_.guards()[guard].kind == GuardKind::Gap && armed_[guard] && atLow > 0 && high.rate[guard] < 0)
+  if (dynamics_.guards()[guard].kind == GuardKind::Gap && armed_[guard] != Arming::Not && atLow > 0 && high.rate[guard] < 0)
     newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], secant), event);
   else
     illinoisZero(guard, zero, atLow, atHigh, event);
