@@ -1,6 +1,6 @@
 // CPU time of a simulation by libtf in one process (initialise and advance to the end, the model being loaded) against the hand-written
 // event-driven program for the same problem, both at the loosest tolerance that meets the error asked for.
-#include "runtime/tf.h"
+#include "tests/benchmarks/compiled_run.h"
 #include "tests/benchmarks/hand_written/planar_body.h"
 #include "tests/benchmarks/hand_written/slip_stick.h"
 #include "tests/benchmarks/measurement.h"
@@ -10,7 +10,6 @@
 #include <cmath>
 #include <fmt/format.h>
 #include <functional>
-#include <memory>
 #include <stdexcept>
 
 namespace tf::bench {
@@ -28,55 +27,20 @@ struct Expected {
 struct Problem {
   std::string name;
   std::string file;
-  std::vector<std::pair<const char *, double>> settings;
+  CompiledRun::Settings settings;
   double end = 0;
   std::vector<Expected> expected;                       // at the end
   double bar = 0;                                       // microseconds of CPU
   std::function<double(double tolerance)> handWritten;  // returns its error
 };
 
-class Run {
-public:
-  Run(const std::string &library, const Problem &problem) : problem_(problem) {
-    tf_simulation *raw = nullptr;
-    const tf_status status = tf_load(library.c_str(), &raw);
-    simulation_.reset(raw);
-    check(status);
-    for (const auto &[name, value] : problem.settings) {
-      check(tf_set(raw, name, value));
-    }
+double errorOf(const CompiledRun &run, const Problem &problem) {
+  double worst = 0;
+  for (const Expected &expected : problem.expected) {
+    worst = std::max(worst, std::abs(run.value(expected.variable) - expected.value));
   }
-
-  void simulate(double tolerance) {
-    check(tf_set_tolerance(simulation_.get(), tolerance));
-    check(tf_initialise(simulation_.get(), 0));
-    check(tf_step(simulation_.get(), problem_.end));
-  }
-
-  double error() {
-    double worst = 0;
-    for (const Expected &expected : problem_.expected) {
-      double value = 0;
-      check(tf_get_named(simulation_.get(), expected.variable, &value));
-      worst = std::max(worst, std::abs(value - expected.value));
-    }
-    return worst;
-  }
-
-private:
-  struct Free {
-    void operator()(tf_simulation *simulation) const { tf_free(simulation); }
-  };
-
-  void check(tf_status status) const {
-    if (status != TF_OK) {
-      throw std::runtime_error(problem_.name + ": " + tf_error_text(simulation_.get()));
-    }
-  }
-
-  const Problem &problem_;
-  std::unique_ptr<tf_simulation, Free> simulation_;
-};
+  return worst;
+}
 
 // The loosest tolerance whose error is small enough, and that error.
 std::pair<double, double> loosest(const std::string &name, const std::function<double(double)> &errorOf) {
@@ -96,10 +60,10 @@ void measureProblem(const Setup &setup, const Problem &problem, std::vector<Meas
                  .unit = "µs",
                  .value = 1e6 * hand,
                  .note = fmt::format("error {:.1e} at tolerance {:.0e}", handError, handTolerance)});
-  Run run(compileModel(setup, problem.file), problem);
+  CompiledRun run(compileModel(setup, problem.file), problem.name, problem.settings, problem.end);
   const auto [tolerance, error] = loosest(problem.name, [&](double t) {
     run.simulate(t);
-    return run.error();
+    return errorOf(run, problem);
   });
   const double ours = cpuPerCall([&, t = tolerance] { run.simulate(t); });
   out.push_back({.name = problem.name + ", libtf",

@@ -16,11 +16,9 @@ struct Group {
   std::vector<tf::bench::Measurement> (*measure)(const tf::bench::Setup &);
 };
 
-constexpr Group kGroups[] = {{"cold", tf::bench::coldStart},
-                             {"hot", tf::bench::hotSimulation},
-                             {"rhs", tf::bench::rightHandSide},
-                             {"compile", tf::bench::compileTime},
-                             {"parser", tf::bench::parserSpeed}};
+constexpr Group kGroups[] = {{"cold", tf::bench::coldStart},          {"hot", tf::bench::hotSimulation},
+                             {"precision", tf::bench::workPrecision}, {"rhs", tf::bench::rightHandSide},
+                             {"compile", tf::bench::compileTime},     {"parser", tf::bench::parserSpeed}};
 
 std::string temporaryFolder() {
   std::string name = (std::filesystem::temp_directory_path() / "tf-bench-XXXXXX").string();
@@ -62,7 +60,7 @@ int main(int argc, char **argv) {
     options[argv[i]] = argv[i + 1];
   }
   if (argc % 2 == 0 || options["--tfc"].empty()) {
-    std::fprintf(stderr, "usage: tf_bench --tfc PROGRAM [--json FILE] [--only cold|hot|rhs|compile|parser] [--sources DIR]\n");
+    std::fprintf(stderr, "usage: tf_bench --tfc PROGRAM [--json FILE] [--only cold|hot|precision|rhs|compile|parser] [--sources DIR]\n");
     return 2;
   }
   try {

@@ -82,9 +82,11 @@ ProgramTime runProgram(const std::vector<std::string> &arguments, const std::str
   return {elapsed, cpu(usage.ru_utime) + cpu(usage.ru_stime)};
 }
 
-std::string compileModel(const Setup &setup, const std::string &file) {
+std::string compileModel(const Setup &setup, const std::string &file, const std::vector<std::string> &options) {
   const std::string library = setup.work + "/" + std::filesystem::path(file).stem().string() + ".so";
-  runProgram({setup.tfc, "compile", file, "-o", library}, setup.work + "/cache");
+  std::vector<std::string> arguments = {setup.tfc, "compile", file, "-o", library};
+  arguments.insert(arguments.end(), options.begin(), options.end());
+  runProgram(arguments, setup.work + "/cache");
   return library;
 }
 

@@ -28,6 +28,8 @@ struct Setup {
 // Each throws std::runtime_error if it cannot measure.
 [[nodiscard]] std::vector<Measurement> coldStart(const Setup &setup);
 [[nodiscard]] std::vector<Measurement> hotSimulation(const Setup &setup);
+// Prints its table as it goes; the figures are those that have bars.
+[[nodiscard]] std::vector<Measurement> workPrecision(const Setup &setup);
 [[nodiscard]] std::vector<Measurement> rightHandSide(const Setup &setup);
 [[nodiscard]] std::vector<Measurement> compileTime(const Setup &setup);
 [[nodiscard]] std::vector<Measurement> parserSpeed(const Setup &setup);
@@ -47,7 +49,7 @@ struct ProgramTime {
 ProgramTime runProgram(const std::vector<std::string> &arguments, const std::string &cache);
 
 // `tfc compile` of a file into a shared library in the work folder; its path.
-[[nodiscard]] std::string compileModel(const Setup &setup, const std::string &file);
+[[nodiscard]] std::string compileModel(const Setup &setup, const std::string &file, const std::vector<std::string> &options = {});
 
 [[nodiscard]] std::string table(const std::vector<Measurement> &measurements);
 [[nodiscard]] std::string json(const std::vector<Measurement> &measurements);
