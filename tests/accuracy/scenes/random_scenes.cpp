@@ -128,7 +128,7 @@ Scene planarScene(Random &random) {
   const int choice = random.below(8);
   const char *law = laws[choice < 5 ? 0 : choice < 7 ? 1 : 2];
   Scene scene;
-  scene.name = fmt::format("{} polygons of {}, {} disks, {}", kind.polygons, kind.polygons > 0 ? kind.corners : 0, kind.disks, law);
+  scene.name = fmt::format("plane, {} polygons of {}, {} disks, {}", kind.polygons, kind.polygons > 0 ? kind.corners : 0, kind.disks, law);
   scene.model = planarText(kind, law);
   scene.mayGainEnergy = choice == 7;
   const bool isInelastic = random.below(3) == 0;
@@ -246,6 +246,10 @@ Scene randomScene(std::uint64_t seed) {
   Random random(seed);
   return seed % 4 == 0 ? spatialScene(random) : planarScene(random);
 }
+
+bool isPlanar(const Scene &scene) { return scene.name.starts_with("plane"); }
+
+bool hasBoxes(const Scene &scene) { return !isPlanar(scene) && scene.name.find("1 box") != std::string::npos; }
 
 SceneOutcome runScene(const Scene &scene) {
   SceneOutcome outcome;

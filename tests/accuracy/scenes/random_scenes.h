@@ -11,12 +11,16 @@ namespace tf::test {
 
 struct Scene {
   std::string model;  // source text
-  std::string name;   // of its kind, "2 polygons of 4, 1 disk"; scenes of one kind have the same model
+  std::string name;   // of its kind, "plane, 2 polygons of 4, 1 disks, Poisson"; scenes of one kind have the same model
   Settings settings;
   bool mayGainEnergy = false;  // restitution by Newton's law
 };
 
+// Three quarters of the seeds are in the plane.
 [[nodiscard]] Scene randomScene(std::uint64_t seed);
+[[nodiscard]] bool isPlanar(const Scene &scene);
+// Whether boxes in space, with several frictional contacts at once, are in it.
+[[nodiscard]] bool hasBoxes(const Scene &scene);
 
 struct SceneOutcome {
   enum class Kind : std::uint8_t { Good, NoContinuation, Failed, Violated };
