@@ -58,13 +58,18 @@ std::string eventList(const ResultRows &rows, const tf_model &model) {
   return text;
 }
 
-std::string work(const tf_statistics &s) {
-  return fmt::format("  steps: {} step, {} explicit, {} cvode; {} rejected\n"
-                     "  {} evaluations, {} Jacobians, {} Newton iterations, {} contact solves, {} frozen phases with {} breakpoints\n"
-                     "  least gap {}, least normal force {}, largest residual {}\n",
-                     s.step_steps, s.explicit_steps, s.cvode_steps, s.rejected_steps, s.evaluations, s.jacobians, s.newton_iterations,
-                     s.contact_solves, s.frozen_phases, s.breakpoints, number(s.worst_gap), number(s.worst_normal_force),
-                     number(s.worst_residual));
+std::string work(const tf_statistics &s, bool hasContacts) {
+  std::string text =
+      fmt::format("  steps: {} step, {} explicit, {} cvode; {} rejected\n"
+                  "  {} evaluations, {} Jacobians, {} Newton iterations, {} contact solves, {} frozen phases with {} breakpoints\n",
+                  s.step_steps, s.explicit_steps, s.cvode_steps, s.rejected_steps, s.evaluations, s.jacobians, s.newton_iterations,
+                  s.contact_solves, s.frozen_phases, s.breakpoints);
+  if (hasContacts)
+    text += fmt::format("  least gap {}, least normal force {}, largest residual {}\n", number(s.worst_gap), number(s.worst_normal_force),
+                        number(s.worst_residual));
+  if (s.redundant_constraints > 0)
+    text += fmt::format("  redundant constraints: {}\n", s.redundant_constraints);
+  return text;
 }
 
 }  // namespace
@@ -80,7 +85,7 @@ std::string summary(const SummaryInput &input, const ResultRows &rows) {
                       milliseconds(times.compile + times.initialise + times.simulate), milliseconds(times.compile), input.origin,
                       milliseconds(times.initialise), milliseconds(times.simulate));
   if (input.isVerbose)
-    text += eventList(rows, model) + work(statistics);
+    text += eventList(rows, model) + work(statistics, model.nc > 0);
   return text;
 }
 

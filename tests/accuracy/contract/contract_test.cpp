@@ -20,8 +20,7 @@ using nlohmann::json;
 const fs::path kFolder = TF_SOURCE_DIR "/tests/accuracy/contract";
 
 // What these cases need and the program does not do yet, with the text by which it says so.
-const std::map<std::string, std::string> kUnsupported = {
-};
+const std::map<std::string, std::string> kUnsupported = {};
 
 struct Case {
   json data;

@@ -48,8 +48,8 @@ TEST(Quantities, OrderAndNames) {
     for (const char *result : {"gap", "normalForce", "frictionForce", "slip", "closed", "sticking", "alpha[1]", "alpha[2]", "alpha[3]",
                                "theta[1]", "theta[2]", "impulse"})
       expected.push_back(std::string(wall) + "." + result);
-  for (const char *name : {"dry.force", "dry.slip", "dry.alpha", "dry.sticking", "energy.kinetic", "energy.potential", "energy.frictionLoss",
-                           "energy.impactLoss", "energy.work", "alpha[1]", "timeSpeed", "m", "two", "twice"})
+  for (const char *name : {"dry.force", "dry.slip", "dry.alpha", "dry.sticking", "energy.kinetic", "energy.potential",
+                           "energy.frictionLoss", "energy.impactLoss", "energy.work", "alpha[1]", "timeSpeed", "m", "two", "twice"})
     expected.emplace_back(name);
   EXPECT_EQ(namesOf(model), expected);
 }
