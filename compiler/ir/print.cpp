@@ -362,6 +362,7 @@ std::string print(const Graph &graph, NodeId root, const SymbolNames &name) {
 
 std::string print(const Function &function, const Graph &graph, const SymbolNames &name) {
   std::vector<NodeId> roots;
+  roots.reserve(function.stores.size());
   for (const Store &store : function.stores)
     roots.push_back(store.node);
   if (function.sweep)

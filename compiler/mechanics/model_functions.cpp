@@ -106,6 +106,7 @@ private:
   // N v.
   std::vector<NodeId> coordinateRates() {
     std::vector<NodeId> rates;
+    rates.reserve(static_cast<std::size_t>(system_.nq));
     for (int k = 0; k < system_.nq; ++k)
       rates.push_back(system_.motion.rate(graph_, k));
     return rates;
@@ -282,6 +283,7 @@ ir::Function ModelFunctions::constraintTerms() {
 
 ir::Function ModelFunctions::switchGradients() {
   std::vector<NodeId> conditions;
+  conditions.reserve(system_.switches.size());
   for (const SwitchingFunction &switching : system_.switches)
     conditions.push_back(switching.condition);
   FunctionBuilder builder("switch_gradients", static_cast<int>(conditions.size()));
@@ -300,6 +302,7 @@ ir::Function ModelFunctions::stepDerivatives() {
 // Output 0 holds the terms of all contacts' forces: those of unselected contacts are passed as 0.
 ir::Function ModelFunctions::dynamicsDerivatives() {
   std::vector<NodeId> friction;
+  friction.reserve(system_.contacts.size());
   for (const Contact &contact : system_.contacts)
     friction.push_back(contact.friction);
   const auto ofContact = [](std::size_t row) { return static_cast<int>(row); };

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <ostream>
 
 namespace tf::test {
@@ -18,9 +17,6 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 
 const fs::path kFolder = TF_SOURCE_DIR "/tests/accuracy/contract";
-
-// What these cases need and the program does not do yet, with the text by which it says so.
-const std::map<std::string, std::string> kUnsupported = {};
 
 struct Case {
   json data;
@@ -100,12 +96,6 @@ TEST_P(Contract, HasTheClosedFormsValues) {
   if (!c.isCompiled || result.exitCode == 0)
     result = runTfc(arguments(c, file, folder.path()), folder.path());
 
-  if (const auto reason = kUnsupported.find(c.data["name"]); reason != kUnsupported.end()) {
-    EXPECT_NE(result.exitCode, 0);
-    EXPECT_NE(result.err.find("not supported yet"), std::string::npos) << result.err;
-    EXPECT_NE(result.err.find(reason->second), std::string::npos) << result.err;
-    return;
-  }
   ASSERT_EQ(result.exitCode, 0) << result.err;
   checkValues(c.data["checks"], ResultTable(folder.path() / "out.csv"));
   if (c.data.contains("events"))
