@@ -234,6 +234,7 @@ ExprPtr Typer::typeRange(const ast::Expr &expr) {
     return nullptr;
   }
   std::vector<double> values;
+  values.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < static_cast<int>(count); ++i)
     values.push_back(start + i * step);
   const int size = static_cast<int>(values.size());
@@ -313,6 +314,7 @@ ExprPtr Typer::typeMatrix(const ast::Expr &expr) {
       continue;
     }
     std::vector<ExprPtr> entries;
+    entries.reserve(columns.size());
     for (const ExprPtr &column : columns)
       entries.push_back(column->kind == flat::ExprKind::Call ? column->args[0] : elementAt(column, {1, 1}, column->span));
     const ExprPtr line = makeArray(std::move(entries), row->span, diagnostics());
