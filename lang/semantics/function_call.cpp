@@ -56,6 +56,7 @@ private:
       const auto input = std::ranges::find_if(inputs_, [&](const Parameter &entry) { return entry.component->name == named.name.text; });
       if (input == inputs_.end()) {
         std::vector<std::string> names;
+        names.reserve(inputs_.size());
         for (const Parameter &entry : inputs_)
           names.emplace_back(entry.component->name);
         context_.diagnostics.report(diag::UnknownArgument, named.name.span, function_.name, named.name.text)

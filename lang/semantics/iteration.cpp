@@ -47,6 +47,7 @@ bool findUse(const ast::Expr *expr, std::string_view name, ImpliedRange &use) {
 
 std::vector<ExprPtr> literals(const ExprPtr &range, Base base, const std::vector<double> &values) {
   std::vector<ExprPtr> result;
+  result.reserve(values.size());
   for (const double value : values)
     result.push_back(makeLiteral({base, {}}, {value}, range->span));
   return result;

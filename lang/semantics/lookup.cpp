@@ -208,6 +208,7 @@ Class *lookupQualified(Context &context, std::string_view dottedName) {
 std::vector<std::string> memberNames(Context &context, Class &scope) {
   elaborate(context, scope);
   std::vector<std::string> names;
+  names.reserve(scope.members.size());
   for (const Member &member : scope.members)
     names.emplace_back(member.name);
   if (scope.predefined != nullptr)

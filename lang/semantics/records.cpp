@@ -171,6 +171,7 @@ private:
     for (const ast::NamedArgument &named : expr.named)
       if (!record.index.contains(named.name.text)) {
         std::vector<std::string> names;
+        names.reserve(record.members.size());
         for (const Member &member : record.members)
           names.emplace_back(member.name);
         context_.diagnostics.report(diag::UnknownArgument, named.name.span, record.name, named.name.text).suggest(named.name.text, names);

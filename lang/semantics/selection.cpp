@@ -144,6 +144,7 @@ std::vector<double> selectValues(const std::vector<double> &values, const std::v
 
 ExprPtr elementAt(const ExprPtr &array, const std::vector<int> &index, Span span) {
   std::vector<Selection> selections;
+  selections.reserve(index.size());
   for (const int position : index)
     selections.push_back({{position}, true});
   return makeIndex(array, std::move(selections), span);
