@@ -16,6 +16,7 @@ ExprPtr compose(const std::vector<ExprPtr> &elements, std::size_t &next, const s
   if (level == dims.size())
     return elements[next++];
   std::vector<ExprPtr> parts;
+  parts.reserve(static_cast<std::size_t>(dims[level]));
   for (int i = 0; i < dims[level]; ++i)
     parts.push_back(compose(elements, next, dims, level + 1, span, diagnostics));
   return makeArray(std::move(parts), span, diagnostics);
@@ -147,6 +148,7 @@ FunctionBody::Flow FunctionBody::joinBranches(const ast::Statement &statement, s
                                               const Locals *iterators) {
   const auto snapshot = [&] {
     std::vector<std::pair<ExprPtr, std::vector<ExprPtr>>> values;
+    values.reserve(variables_.size());
     for (const Locals &variable : variables_)
       values.emplace_back(variable.value, variable.elements);
     return values;
