@@ -15,14 +15,23 @@ void ModeDynamics::chooseDirections(double time, const double *state) {
   for (int i = 0; i < model.nv; ++i)
     largest = std::max(largest, std::abs(state[model.nq + i]));
   slipRounding_ = slipAccuracy_ * largest;
+  if (std::any_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner >= 0; })) {
+    at_.setPoint(time, state);
+    at_.switching(ModelEvaluation::Slips);
+  }
   for (int j = 0; j < problem_.tangentCount; ++j) {
     const int row = rows_.tangents()[j];
     if (problem_.partner[j] < j || contactMode_.slip[j] == 0)
       continue;
     SlipPair pair = {j, row, 1, 0, false};
-    if (static_cast<int>(mode_.direction.size()) > row + 1) {
+    const bool given = static_cast<int>(mode_.direction.size()) > row + 1 && (mode_.direction[row] != 0 || mode_.direction[row + 1] != 0);
+    if (given) {
       pair.c = mode_.direction[row];
       pair.s = mode_.direction[row + 1];
+    } else if (const double speed = std::hypot(at_.slip[row], at_.slip[row + 1]); speed > 0) {
+      // Slow, but faster than what the selection of modes takes for zero: renewDirections leaves it.
+      pair.c = at_.slip[row] / speed;
+      pair.s = at_.slip[row + 1] / speed;
     }
     pairs_.push_back(pair);
   }
