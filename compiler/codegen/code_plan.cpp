@@ -117,7 +117,10 @@ private:
     }
   }
 
-  Unit &region(int group, bool isSwept) { return regions_[static_cast<std::size_t>(group + 1 + (isSwept ? function_.groups + 1 : 0))]; }
+  Unit &region(int group, bool isSwept) {
+    const int number = group + 1 + (isSwept ? function_.groups + 1 : 0);
+    return regions_[static_cast<std::size_t>(number)];
+  }
 
   // Begins regions with the clearing of their zeros. Returns which stores are done with that.
   std::vector<char> clearZeros() {

@@ -16,7 +16,7 @@ ExprPtr compose(const std::vector<ExprPtr> &elements, std::size_t &next, const s
   if (level == dims.size())
     return elements[next++];
   std::vector<ExprPtr> parts;
-  parts.reserve(static_cast<std::size_t>(dims[level]));
+  parts.reserve(dims[level] > 0 ? static_cast<std::size_t>(dims[level]) : 0);
   for (int i = 0; i < dims[level]; ++i)
     parts.push_back(compose(elements, next, dims, level + 1, span, diagnostics));
   return makeArray(std::move(parts), span, diagnostics);

@@ -234,7 +234,7 @@ ExprPtr Typer::typeRange(const ast::Expr &expr) {
     return nullptr;
   }
   std::vector<double> values;
-  values.reserve(static_cast<std::size_t>(count));
+  values.reserve(count > 0 ? static_cast<std::size_t>(count) : 0);
   for (int i = 0; i < static_cast<int>(count); ++i)
     values.push_back(start + i * step);
   const int size = static_cast<int>(values.size());

@@ -155,7 +155,7 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   Eigen::MatrixXd system = Eigen::MatrixXd::Identity(stages * n_, stages * n_), right = Eigen::MatrixXd::Zero(stages * n_, columnCount());
   for (int i = 0; i < stages; ++i)
     for (int j = 0; j < stages; ++j) {
-      const double a = h * coefficients_[static_cast<std::size_t>(i * stages + j)];
+      const double a = h * coefficients_[static_cast<std::size_t>(i) * nodes_.size() + static_cast<std::size_t>(j)];
       const auto node = static_cast<std::size_t>(j);
       system.block(i * n_, j * n_, n_, n_) -= a * slopes[node];
       right.middleRows(i * n_, n_) += a * (slopes[node] * matrix_ + offsets[node]);
