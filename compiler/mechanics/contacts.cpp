@@ -47,12 +47,13 @@ void deriveTangents(Derivation &derivation) {
 std::vector<NodeId> contactForce(HybridSystem &system) {
   ir::Graph &graph = system.graph;
   std::vector<NodeId> rates;
+  rates.reserve(system.contacts.size() + system.tangents.size());
   for (const Contact &contact : system.contacts)
     rates.push_back(contact.gapRate);
   for (const TangentRow &tangent : system.tangents)
     rates.push_back(tangent.slip);
   const auto count = static_cast<int>(rates.size());
-  const std::vector<NodeId> force =
+  std::vector<NodeId> force =
       ir::reverseDerivative(graph, rates, symbols(graph, SymbolKind::Seed, count), symbols(graph, SymbolKind::Velocity, system.nv));
   const std::vector<std::vector<int>> structure = ir::seedStructure(graph, force, count);
   std::vector<char> moves(rates.size(), 0);

@@ -190,6 +190,7 @@ private:
 
   MaybeUnit call(const Expr &expr) {
     std::vector<MaybeUnit> units;
+    units.reserve(expr.args.size());
     for (const ExprPtr &arg : expr.args)
       units.push_back(of(arg));
     switch (expr.function) {

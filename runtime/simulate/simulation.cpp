@@ -609,6 +609,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     return failEvaluation();
   beginEvent();
   std::vector<Transition> transitions;
+  transitions.reserve(point.contacts.size());
   for (const int i : point.contacts)
     transitions.push_back({TF_EVENT_REST, i});
   if (const tf_status status = settle(transitions); status != TF_OK)
