@@ -234,8 +234,9 @@ ExprPtr Typer::typeRange(const ast::Expr &expr) {
     return nullptr;
   }
   std::vector<double> values;
-  values.reserve(count > 0 ? static_cast<std::size_t>(count) : 0);
-  for (int i = 0; i < static_cast<int>(count); ++i)
+  const int last = count > 0 ? static_cast<int>(count) : 0;
+  values.reserve(static_cast<std::size_t>(last));
+  for (int i = 0; i < last; ++i)
     values.push_back(start + i * step);
   const int size = static_cast<int>(values.size());
   return makeLiteral({isInteger ? Base::Integer : Base::Real, {size}}, std::move(values), expr.span);
