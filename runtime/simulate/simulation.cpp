@@ -27,6 +27,10 @@ namespace {
 
 // Events without progress of physical time before a run is given up.
 constexpr int mostEventsAtOneTime = 200;
+// Events of slips of two components within so short a time, relative to the time, before a run is given up. Impacts that accumulate are no
+// such case: they are carried through.
+constexpr int mostEventsNearby = 1000;
+constexpr double nearby = 1e-6;
 
 // The sign of a NaN means nothing.
 std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN" : value > 0 ? "infinity" : "-infinity"; }
@@ -73,6 +77,8 @@ public:
   double suggestedStep_ = 0;
   std::uint64_t inputRevision_ = 0;
   int eventsHere_ = 0;  // since physical time last moved
+  int eventsNearby_ = 0;
+  double nearbyTime_ = 0;  // since when eventsNearby_ counts
   std::string error_;
   tf_statistics statistics_ = {};
   std::vector<double> parameters_;
@@ -118,6 +124,7 @@ private:
   SmoothIntegrator *fallback();
   bool fallBack(SmoothIntegrator &integrator);
   tf_status step(double limit);
+  bool chatters();
   tf_status handle(DetectedEvent event, double limit);
   tf_status comeToRest(const RestPoint &point);
   tf_status jam(int contact);
@@ -314,7 +321,8 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   inputs_.setDefaults(starts.u);
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
-  eventsHere_ = 0;
+  eventsHere_ = eventsNearby_ = 0;
+  nearbyTime_ = startTime;
   rest_.reset();
   modeValid_ = false;
   mode_.closed.assign(model_.nc, 0);
@@ -531,7 +539,20 @@ tf_status Simulation::Implementation::timeEvent() {
   return TF_OK;
 }
 
+// Slips of two components stop and start again with tiny progress.
+bool Simulation::Implementation::chatters() {
+  if (std::none_of(model_.contacts, model_.contacts + model_.nc, [](const tf_contact &contact) { return contact.tangent_count > 1; }))
+    return false;
+  if (time_ > nearbyTime_ + nearby * std::max(1.0, std::abs(time_))) {
+    nearbyTime_ = time_;
+    eventsNearby_ = 0;
+  }
+  return ++eventsNearby_ > mostEventsNearby;
+}
+
 tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
+  if (chatters())
+    return fail(fmt::format("no consistent continuation: slips stop and start again without end at t = {:.10g}", time_));
   const Guard guard = dynamics_.guards()[event.guard];
   const bool stops = guard.kind == GuardKind::SlipAlong;
   if (stops && !locateStop(event))
