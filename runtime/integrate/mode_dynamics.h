@@ -8,7 +8,9 @@
 #include "runtime/contact/mode_forces.h"
 #include "runtime/integrate/mode.h"
 #include "runtime/integrate/model_evaluation.h"
+#include "runtime/integrate/projection.h"
 #include "runtime/integrate/row_system.h"
+#include "runtime/integrate/slip_directions.h"
 
 #include <Eigen/Dense>
 
@@ -31,7 +33,7 @@ enum class GuardKind : std::uint8_t {
 // A function that is ≥ 0 in the mode.
 struct Guard {
   GuardKind kind = GuardKind::Gap;
-  int index = 0;  // contact, margin, tangential row, number among the slips of two components that slip, or switch
+  int index = 0;  // contact, margin, tangential row, pair of SlipDirections, or switch
   double sign = 1;
   double scale = 1;  // magnitude below 1e-12 · scale is rounding
 };
@@ -88,48 +90,28 @@ public:
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
 
-  // Moves (q, v) onto gap = 0, gap rate = 0 and slip = 0 of the active rows and onto the constraints, in the metric of M, and quaternions
-  // to unit length; the point must be the last evaluation's. Returns the size of the correction relative to `scale` [n].
-  // The slip of the SlipAlong guard `stopped` becomes zero too.
-  double project(double *state, const double *scale, int stopped = -1);
-  [[nodiscard]] bool needsProjection() const;
+  // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). The slip of the SlipAlong
+  // guard `stopped` becomes zero too. Returns the size of the correction relative to `scale` [n].
+  double project(double *state, const double *scale, int stopped = -1) {
+    return projection_.project(state, scale, stopped < 0 ? -1 : slips_.row(guards_[stopped].index));
+  }
+  [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
 
-  // Slips of two components: friction opposes v_t/‖v_t‖, continued through v_t = 0 along a reference direction, so that a step may end
-  // where the slip vanishes (theory.md section 4). The direction at (t, y) becomes the reference of the next step.
-  void renewDirections(double time, const double *state);
-  // ‖v_t‖ of a SlipAlong guard at the point of the last `switching`.
-  [[nodiscard]] double slipSpeed(int guard) const;
-  // Slips below this part of the largest velocity (at least 1) have the reference direction: within the accuracy of velocities.
-  void setSlipAccuracy(double relative) { slipAccuracy_ = std::max(relative, 1e-12); }
-  // A slip of two components starts from zero at the last `start`: its direction is stiff at first, for any integrator that is not.
-  [[nodiscard]] bool launches() const { return launches_; }
-  // No slip of two components is small any more at the point of the last renewDirections.
-  [[nodiscard]] bool hasLaunched() const;
-  // The direction of friction of a SlipAlong guard is the reference direction, whatever the slip is: for the last step to zero, in which
-  // the slip no longer turns by more than the tolerance. `renewDirections` and `start` end that.
-  void holdDirection(int guard, bool hold) { pairs_[guards_[guard].index].held = hold; }
-  // First tangential row of the model of a SlipAlong guard.
-  [[nodiscard]] int slipRow(int guard) const { return pairs_[guards_[guard].index].modelRow; }
+  // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
+  void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }
+  void renewDirections(double time, const double *state) { slips_.renew(time, state); }
+  void holdDirection(int guard, bool hold) { slips_.hold(guards_[guard].index, hold); }
+  [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
+  [[nodiscard]] int slipRow(int guard) const { return slips_.modelRow(guards_[guard].index); }
+  [[nodiscard]] bool launches() const { return slips_.launches(); }
+  [[nodiscard]] bool hasLaunched() const { return slips_.haveLaunched(); }
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }
   void resetStatistics() { evaluations_ = 0; }
 
 private:
-  // A slip of two components that slips: its first row among rows(), its first row of the model, and the reference direction.
-  struct SlipPair {
-    int row = 0, modelRow = 0;
-    double c = 1, s = 0;
-    bool held = false;
-  };
-
   bool prepare(double time, const double *state);
-  void chooseDirections(double time, const double *state);
-  void alignFrames();
-  [[nodiscard]] double along(const SlipPair &pair) const;
-  [[nodiscard]] double across(const SlipPair &pair) const;
-  void differenceSlips(double time, const double *state);
-  [[nodiscard]] double turning(std::size_t pair, int column) const;
   [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
   bool solveSliding();
@@ -138,10 +120,6 @@ private:
                 double *accelerationChange);
   void kinematicColumn(int k, double *column) const;
   void conditionRates(double *rates);
-  // target += W Jᵀ x with D x = cgR_ on the rows marked in correctedRows_.
-  void correct(double *target);
-  void projectCoordinates(double *state);
-  void projectVelocities(double *velocities, int stoppedRow);
   void differenceJacobian(double time, const double *state, double *matrix);
   bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
@@ -153,12 +131,9 @@ private:
   ContactProblem problem_;
   ContactMode contactMode_;
   ModeForces forces_;
+  SlipDirections slips_;
+  Projection projection_;
   std::vector<std::uint8_t> isPaired_;  // nt
-  std::vector<SlipPair> pairs_;
-  double slipAccuracy_ = 1e-12;
-  bool launches_ = false;
-  double slipRounding_ = 0;          // slips below have the reference direction
-  std::vector<double> slipByState_;  // d slip/d(q, v): two rows for each of pairs_
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;
@@ -169,8 +144,6 @@ private:
   bool starting_ = false;
   // workspaces
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
-  std::vector<double> cgX_, cgR_, cgP_, cgQ_;
-  std::vector<std::uint8_t> correctedRows_;
   Eigen::MatrixXd slidingMatrix_;
   Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;
 };

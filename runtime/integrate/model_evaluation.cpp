@@ -116,18 +116,14 @@ void ModelEvaluation::contactParameters() {
   model_->contact_parameters(in_, out, nullptr);
 }
 
-void ModelEvaluation::constraintResiduals() {
-  if (model_->nh == 0)
-    return;
-  const std::uint8_t mask[] = {1, 0};
-  double *const out[] = {residual.data(), residualRate.data(), constraintJacobian.data(), constraintBias.data()};
-  model_->constraint_terms(in_, out, mask);
-}
+void ModelEvaluation::constraintResiduals() { constraintTerms(true, false); }
 
-void ModelEvaluation::constraintRows() {
+void ModelEvaluation::constraintRows() { constraintTerms(false, true); }
+
+void ModelEvaluation::constraintTerms(bool residuals, bool rows) {
   if (model_->nh == 0)
     return;
-  const std::uint8_t mask[] = {0, 1};
+  const std::uint8_t mask[] = {residuals, rows};
   double *const out[] = {residual.data(), residualRate.data(), constraintJacobian.data(), constraintBias.data()};
   model_->constraint_terms(in_, out, mask);
 }

@@ -79,6 +79,7 @@ public:
 
 private:
   void evaluateInputs(double time);
+  void constraintTerms(bool residuals, bool rows);
 
   const tf_model *model_;
   const InputSignals *inputs_;

@@ -1,0 +1,98 @@
+// Guards of a mode: the functions whose zeros end it.
+#include "runtime/integrate/mode_dynamics.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+void ModeDynamics::buildGuards() {
+  const tf_model &model = at_.model();
+  guards_.clear();
+  for (int i = 0; i < model.nc; ++i)
+    if (!mode_.closed[i])
+      guards_.push_back({GuardKind::Gap, i, 1, model.contacts[i].nominal});
+  double largest = 0;
+  if (rows_.count() > 0) {
+    for (double force : forces_.forces())
+      largest = std::max(largest, std::abs(force));
+    for (std::size_t k = 0; k < forces_.margins().size(); ++k)
+      guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
+  }
+  for (int j = 0; j < model.nt; ++j)
+    if (!isPaired_[j] && (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative))
+      guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
+  for (int k = 0; k < slips_.count(); ++k)
+    guards_.push_back({GuardKind::SlipAlong, k, 1, slips_.rounding() / 1e-12});
+  for (int j = 0; j < model.ns; ++j) {
+    if (mode_.switches[j] == Switch::Sliding) {
+      guards_.push_back({GuardKind::StepLow, j, 1, 1});
+      guards_.push_back({GuardKind::StepHigh, j, -1, 1});
+    } else {
+      guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
+    }
+  }
+}
+
+double ModeDynamics::readGuard(const Guard &guard) const {
+  switch (guard.kind) {
+  case GuardKind::Gap:
+    return at_.gap[guard.index];
+  case GuardKind::Force:
+    return forces_.marginValues()[guard.index];
+  case GuardKind::Slip:
+    return guard.sign * at_.slip[guard.index];
+  case GuardKind::SlipAlong:
+    return slips_.along(guard.index);
+  case GuardKind::Condition:
+    return guard.sign * at_.condition[guard.index];
+  case GuardKind::StepLow:
+    return at_.stepVariable[guard.index];
+  case GuardKind::StepHigh:
+    return 1 - at_.stepVariable[guard.index];
+  }
+  return 0;
+}
+
+double ModeDynamics::guardValue(int guard) {
+  const Guard &g = guards_[guard];
+  if (g.kind == GuardKind::Gap)
+    at_.switching(ModelEvaluation::Gaps);
+  else if (g.kind == GuardKind::Slip || g.kind == GuardKind::SlipAlong)
+    at_.switching(ModelEvaluation::Slips);
+  else if (g.kind == GuardKind::Condition)
+    at_.switching(ModelEvaluation::Conditions);
+  return readGuard(g);
+}
+
+void ModeDynamics::guardValues(double *values) {
+  const tf_model &model = at_.model();
+  int parts = 0;
+  if (model.nc > 0)
+    parts |= ModelEvaluation::Gaps;
+  if (!rows_.tangents().empty())
+    parts |= ModelEvaluation::Slips;
+  if (model.ns > 0)
+    parts |= ModelEvaluation::Conditions;
+  if (parts != 0)
+    at_.switching(parts);
+  for (std::size_t k = 0; k < guards_.size(); ++k)
+    values[k] = readGuard(guards_[k]);
+}
+
+void ModeDynamics::guardRates(double *rates) const {
+  for (std::size_t k = 0; k < guards_.size(); ++k)
+    rates[k] = guards_[k].kind == GuardKind::Gap ? at_.gapRate[guards_[k].index] : std::numeric_limits<double>::quiet_NaN();
+}
+
+bool ModeDynamics::rechoose(int guard) {
+  assert(guards_[guard].kind == GuardKind::Force);
+  if (forces_.cross(guards_[guard].index) != MarginOutcome::Rechosen)
+    return false;
+  buildGuards();
+  return true;
+}
+
+}  // namespace tf::runtime

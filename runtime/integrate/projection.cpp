@@ -1,0 +1,138 @@
+#include "runtime/integrate/projection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+Projection::Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem)
+    : at_(evaluation), rows_(rows), problem_(problem), change_(evaluation.model().nv), constraintChange_(evaluation.model().nh),
+      before_(evaluation.stateSize()) {}
+
+void Projection::resize() {
+  corrected_.assign(rows_.count(), 0);
+  impulse_.assign(rows_.count(), 0.0);
+  residual_ = search_ = image_ = impulse_;
+}
+
+bool Projection::isNeeded() const { return rows_.count() > 0 || at_.model().nh > 0 || at_.model().nr > 0; }
+
+// target += W Jᵀ x with D x = residual_ on the rows that take part (the residuals of the others are zero). Conjugate gradients: exact after
+// as many iterations as D has rank, also where D is singular and the residual consistent.
+void Projection::correct(double *target) {
+  const int rows = rows_.count();
+  std::fill(impulse_.begin(), impulse_.end(), 0.0);
+  std::copy(residual_.begin(), residual_.end(), search_.begin());
+  double norm = 0, trace = 0;
+  for (int i = 0; i < rows; ++i) {
+    norm += residual_[i] * residual_[i];
+    trace += problem_.delassus(i, i);
+  }
+  const double first = norm;
+  for (int iteration = 0; iteration < 2 * rows && norm > 1e-28 * first; ++iteration) {
+    double curvature = 0, length = 0;
+    for (int i = 0; i < rows; ++i) {
+      image_[i] = 0;
+      for (int j = 0; corrected_[i] && j < rows; ++j)
+        image_[i] += problem_.delassus(i, j) * search_[j];
+      curvature += search_[i] * image_[i];
+      length += search_[i] * search_[i];
+    }
+    // What is left is rounding that no motion of redundant rows can remove.
+    if (!(curvature > 1e-12 * trace * length))
+      break;
+    const double step = norm / curvature;
+    double next = 0;
+    for (int i = 0; i < rows; ++i) {
+      impulse_[i] += step * search_[i];
+      residual_[i] -= step * image_[i];
+      next += residual_[i] * residual_[i];
+    }
+    for (int i = 0; i < rows; ++i)
+      search_[i] = residual_[i] + next / norm * search_[i];
+    norm = next;
+  }
+  rows_.accelerate(impulse_.data(), target);
+}
+
+// Residuals of gaps and holonomic constraints, these already corrected in change_; the largest one relative to its nominal.
+double Projection::coordinateResiduals() {
+  const tf_model &model = at_.model();
+  double worst = 0;
+  std::fill(change_.begin(), change_.end(), 0.0);
+  if (model.nh > 0) {
+    at_.constraintResiduals();
+    for (int k = 0; k < model.nk; ++k)
+      for (int row = model.constraints[k].row_first; row < model.constraints[k].row_first + model.constraints[k].row_count; ++row) {
+        constraintChange_[row] = model.constraints[k].holonomic ? -at_.residual[row] : 0;
+        worst = std::max(worst, std::abs(constraintChange_[row]) / model.constraints[k].nominal);
+      }
+    at_.mobility.correct(constraintChange_.data(), change_.data());
+  }
+  if (rows_.count() > 0)
+    at_.switching(ModelEvaluation::Gaps);
+  for (int i = 0; i < rows_.count(); ++i) {
+    const bool isNormal = i < rows_.normalCount();
+    corrected_[i] = isNormal;
+    residual_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - rows_.product(i, change_.data()) : 0;
+    if (isNormal)
+      worst = std::max(worst, std::abs(residual_[i]) / model.contacts[rows_.contacts()[i]].nominal);
+  }
+  return worst;
+}
+
+// Newton's method with the rows of the last evaluation: its error after one correction is the product of the correction and the change of
+// the rows.
+void Projection::projectCoordinates(double *state) {
+  constexpr int mostCorrections = 5;
+  constexpr double rounding = 1e-14;
+  double previous = std::numeric_limits<double>::infinity();
+  for (int correction = 0; correction < mostCorrections; ++correction) {
+    const double worst = coordinateResiduals();
+    if (correction > 0 && (worst <= rounding || worst > 0.5 * previous))
+      return;
+    previous = worst;
+    correct(change_.data());
+    at_.moveCoordinates(state, change_.data());
+  }
+}
+
+void Projection::projectVelocities(double *velocities, int stoppedRow) {
+  const tf_model &model = at_.model();
+  std::fill(change_.begin(), change_.end(), 0.0);
+  if (model.nh > 0) {
+    at_.constraintResiduals();
+    for (int row = 0; row < model.nh; ++row)
+      constraintChange_[row] = -at_.residualRate[row];
+    at_.mobility.correct(constraintChange_.data(), change_.data());
+  }
+  const int rows = rows_.count(), normals = rows_.normalCount();
+  if (rows > 0)
+    at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
+  for (int i = 0; i < rows; ++i) {
+    const int j = i - normals;
+    corrected_[i] = i < normals || problem_.slipSign[j] == 0 || (stoppedRow >= 0 && (j == stoppedRow || j == stoppedRow + 1));
+    const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : rows_.tangentValue(at_.slip.data(), 1, j);
+    residual_[i] = corrected_[i] ? -rate - rows_.product(i, change_.data()) : 0;
+  }
+  correct(change_.data());
+  for (int i = 0; i < model.nv; ++i)
+    velocities[i] += change_[i];
+}
+
+double Projection::project(double *state, const double *scale, int stoppedRow) {
+  if (!isNeeded())
+    return 0;
+  const tf_model &model = at_.model();
+  at_.setPoint(at_.time(), state);
+  std::copy_n(state, model.nq + model.nv, before_.begin());
+  projectCoordinates(state);
+  projectVelocities(state + model.nq, stoppedRow);
+  double size = 0;
+  for (int k = 0; k < model.nq + model.nv; ++k)
+    size = std::max(size, std::abs(state[k] - before_[k]) / scale[k]);
+  return size;
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,40 @@
+// Projection of a state onto what its mode holds at zero: gaps, gap rates and slips of the active rows, and the constraints, in the metric
+// of the mass matrix.
+#pragma once
+
+#include "runtime/integrate/model_evaluation.h"
+#include "runtime/integrate/row_system.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace tf::runtime {
+
+class Projection {
+public:
+  // The rows of the mode, with D, as of the latest evaluation of its dynamics; both must outlive the projection.
+  Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem);
+
+  // The rows have been chosen anew.
+  void resize();
+  [[nodiscard]] bool isNeeded() const;
+  // Moves (q, v) of `state`, which is the point of the latest evaluation, onto gap = 0, gap rate = 0 and slip = 0 where problem.slipSign is
+  // 0, and onto the constraints, and quaternions to unit length. `stoppedRow`: number of a tangential row (among the rows) that slips and
+  // becomes zero too, with its partner; or −1. Returns the size of the correction relative to `scale` [n].
+  double project(double *state, const double *scale, int stoppedRow);
+
+private:
+  void correct(double *target);
+  double coordinateResiduals();
+  void projectCoordinates(double *state);
+  void projectVelocities(double *velocities, int stoppedRow);
+
+  ModelEvaluation &at_;
+  const RowSystem &rows_;
+  const ContactProblem &problem_;
+  std::vector<std::uint8_t> corrected_;                      // rows that take part
+  std::vector<double> impulse_, residual_, search_, image_;  // of the conjugate gradients, for each row
+  std::vector<double> change_, constraintChange_, before_;
+};
+
+}  // namespace tf::runtime

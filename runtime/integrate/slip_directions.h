@@ -1,0 +1,72 @@
+// Slips of two components: friction opposes v_t/‖v_t‖, continued through v_t = 0 along a reference direction, so that a step may end where
+// the slip vanishes (theory.md section 4).
+#pragma once
+
+#include "runtime/integrate/mode.h"
+#include "runtime/integrate/model_evaluation.h"
+#include "runtime/integrate/row_system.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace tf::runtime {
+
+// The pairs of tangential rows that slip in a mode, each with the direction of its friction. Slips are those of the latest `switching`.
+class SlipDirections {
+public:
+  explicit SlipDirections(ModelEvaluation &evaluation) : at_(evaluation) {}
+
+  // Slips below this part of the largest velocity (at least 1) have the reference direction: within the accuracy of velocities.
+  void setAccuracy(double relative) { accuracy_ = std::max(relative, 1e-12); }
+
+  // The pairs among `rows` that slip (problem.slipSign ≠ 0), with the reference directions of a new mode that begins at (t, y): those of
+  // the slips, or the mode's own where they are zero.
+  void choose(const Mode &mode, const RowSystem &rows, const ContactRows &problem, double time, const double *state);
+  // The directions at (t, y) become the reference of the next step.
+  void renew(double time, const double *state);
+  // Turns the rows' frames into the directions at the point of the latest `switching`.
+  void align(RowSystem &rows) const;
+
+  [[nodiscard]] bool empty() const { return pairs_.empty(); }
+  [[nodiscard]] int count() const { return static_cast<int>(pairs_.size()); }
+  // First row of a pair among the tangential rows chosen, and among those of the model.
+  [[nodiscard]] int row(int pair) const { return pairs_[pair].row; }
+  [[nodiscard]] int modelRow(int pair) const { return pairs_[pair].modelRow; }
+  // Part of the slip along the reference direction, and ‖v_t‖.
+  [[nodiscard]] double along(int pair) const { return along(pairs_[pair]); }
+  [[nodiscard]] double speed(int pair) const;
+  // Slips below have the reference direction.
+  [[nodiscard]] double rounding() const { return rounding_; }
+  // Magnitude of the velocities that slips are compared with.
+  [[nodiscard]] double largestVelocity() const { return rounding_ / accuracy_; }
+
+  // A slip starts from zero at the last `choose`: its direction is stiff at first, for any integrator that is not.
+  [[nodiscard]] bool launches() const { return launches_; }
+  // No slip is small any more at the point of the last `renew`.
+  [[nodiscard]] bool haveLaunched() const;
+  // The direction of friction is the reference direction, whatever the slip is, until `renew` or `choose`.
+  void hold(int pair, bool held) { pairs_[pair].held = held; }
+
+  // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
+  void differentiate(double time, const double *state);
+  // Derivative of the angle of friction's direction by number `column` of (q, v) there, in radians per unit.
+  [[nodiscard]] double turning(int pair, int column) const;
+
+private:
+  struct Pair {
+    int row = 0, modelRow = 0;
+    double c = 1, s = 0;  // reference direction
+    bool held = false;
+  };
+
+  [[nodiscard]] double along(const Pair &pair) const;
+  [[nodiscard]] double across(const Pair &pair) const;
+
+  ModelEvaluation &at_;
+  std::vector<Pair> pairs_;
+  double accuracy_ = 1e-12, rounding_ = 0;
+  bool launches_ = false;
+  std::vector<double> slipByState_;  // d slip/d(q, v): two rows for each pair
+};
+
+}  // namespace tf::runtime
