@@ -1,0 +1,127 @@
+#include "runtime/simulate/failure_texts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+// The sign of a NaN means nothing.
+std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN" : value > 0 ? "infinity" : "-infinity"; }
+
+std::string at(const tf_location &location) { return fmt::format("({}:{})", location.file != nullptr ? location.file : "", location.line); }
+
+}  // namespace
+
+std::string FailureTexts::contactParameters() {
+  for (int i = 0; i < model_.nc; ++i) {
+    const tf_contact &contact = model_.contacts[i];
+    if (!(at_.restitution[i] >= 0 && at_.restitution[i] <= 1))
+      return fmt::format("contact '{}' has restitution {}; it must be between 0 and 1 {}", contact.name, at_.restitution[i],
+                         at(contact.location));
+    if (!(at_.rate[i] > 0))
+      return fmt::format("contact '{}' has rate {}; it must be positive {}", contact.name, at_.rate[i], at(contact.location));
+  }
+  return {};
+}
+
+std::string FailureTexts::contactsAtStart(double time, const double *state) {
+  at_.setPoint(time, state);
+  if (std::string text = negativeFriction(); !text.empty())
+    return text;
+  at_.switching(ModelEvaluation::Gaps);
+  for (int i = 0; i < model_.nc; ++i) {
+    const tf_contact &contact = model_.contacts[i];
+    const double tolerance = 1e-9 * std::max(1.0, contact.nominal);
+    if (!std::isfinite(at_.gap[i]))
+      return fmt::format("'{}.gap' is {} at the start {}", contact.name, nameOfNonFinite(at_.gap[i]), at(contact.location));
+    if (at_.gap[i] < -tolerance)
+      return fmt::format("contact '{}' starts with a penetration of {:.6g} {}", contact.name, -at_.gap[i], at(contact.location));
+  }
+  return {};
+}
+
+std::string FailureTexts::startValues(const double *state) const {
+  const int count = model_.nq + model_.nv + model_.nz;
+  const double *bad = std::find_if(state, state + count, [](double value) { return !std::isfinite(value); });
+  if (bad == state + count)
+    return {};
+  const int i = static_cast<int>(bad - state), velocity = i - model_.nq, other = velocity - model_.nv;
+  const std::string name = velocity < 0 ? instance_.nameOf(TF_KIND_COORDINATE, i)
+                           : other < 0  ? instance_.nameOf(TF_KIND_VELOCITY, velocity)
+                                        : instance_.nameOf(TF_KIND_STATE, other);
+  return fmt::format("the start of '{}' is {}", name, nameOfNonFinite(*bad));
+}
+
+std::string FailureTexts::negativeFriction() {
+  const std::vector<std::uint8_t> all(model_.nc + model_.nf, 1);
+  at_.contactTerms(all.data());
+  for (int i = 0; i < model_.nc; ++i)
+    if (at_.friction[i] < 0)
+      return fmt::format("the friction coefficient of contact '{}' is {:.6g}, it cannot be negative {}", model_.contacts[i].name,
+                         at_.friction[i], at(model_.contacts[i].location));
+  for (int i = 0; i < model_.nf; ++i)
+    if (const double bound = at_.bound[model_.frictions[i].tangent_first]; bound < 0)
+      return fmt::format("the bound of friction element '{}' is {:.6g}, it cannot be negative {}", model_.frictions[i].name, bound,
+                         at(model_.frictions[i].location));
+  return {};
+}
+
+std::string FailureTexts::singularMass() const {
+  const int row = std::max(at_.mobility.mass().failedRow(), 0);
+  return fmt::format("no inertia acts on '{}'", instance_.nameOf(model_.nq == model_.nv ? TF_KIND_COORDINATE : TF_KIND_VELOCITY, row));
+}
+
+std::string FailureTexts::evaluation() {
+  const double time = at_.time();
+  switch (dynamics_.failure()) {
+  case EvaluationFailure::SingularMass:
+    return fmt::format("the mass matrix is singular at t = {:.10g}: {}", time, singularMass());
+  case EvaluationFailure::SingularContact:
+    return fmt::format("the contact forces have no solution at t = {:.10g}", time);
+  case EvaluationFailure::SlidingDiverged:
+    return fmt::format("the sliding mode of the switches has no solution at t = {:.10g}", time);
+  case EvaluationFailure::NegativeFriction:
+    return fmt::format("{} at t = {:.10g}", negativeFriction(), time);
+  default:
+    return fmt::format("{} at t = {:.10g}", nonFinite(), time);
+  }
+}
+
+std::string FailureTexts::place(tf_kind kind, int index) const {
+  const std::int32_t variable = instance_.variableOf(kind, index);
+  const std::string name = instance_.nameOf(kind, index);
+  return variable < 0 ? fmt::format("'{}'", name) : fmt::format("'{}' {}", name, at(model_.variables[variable].location));
+}
+
+std::string FailureTexts::nonFinite() {
+  for (int i = 0; i < model_.nz; ++i)
+    if (!std::isfinite(at_.stateRate[i]))
+      return fmt::format("{} in {}", nameOfNonFinite(at_.stateRate[i]), place(TF_KIND_STATE_DERIVATIVE, i));
+  for (int i = 0; i < model_.nv; ++i)
+    if (!std::isfinite(at_.force[i]) || !std::isfinite(at_.massMatrix[i * model_.nv + i]))
+      return fmt::format("{} in {}", nameOfNonFinite(std::isfinite(at_.force[i]) ? at_.massMatrix[i * model_.nv + i] : at_.force[i]),
+                         place(TF_KIND_ACCELERATION, i));
+  if (std::string text = nonFiniteConstraint(); !text.empty())
+    return text;
+  return "a value that is not finite";
+}
+
+std::string FailureTexts::nonFiniteConstraint() {
+  at_.constraintRows();
+  for (int k = 0; k < model_.nk; ++k) {
+    const tf_constraint &constraint = model_.constraints[k];
+    for (int row = constraint.row_first; row < constraint.row_first + constraint.row_count; ++row) {
+      const double *first = at_.constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model_.nv;
+      const double *bad = std::find_if(first, first + model_.nv, [](double value) { return !std::isfinite(value); });
+      if (const double value = bad != first + model_.nv ? *bad : at_.constraintBias[row]; !std::isfinite(value))
+        return fmt::format("{} in the derivative of constraint '{}' {}", nameOfNonFinite(value), constraint.name, at(constraint.location));
+    }
+  }
+  return {};
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,42 @@
+// What stops a run, in terms of the model: element, value, time, source line.
+#pragma once
+
+#include "runtime/integrate/mode_dynamics.h"
+#include "runtime/model/model_instance.h"
+
+#include <string>
+
+namespace tf::runtime {
+
+class FailureTexts {
+public:
+  // Both must outlive the texts.
+  FailureTexts(ModeDynamics &dynamics, const ModelInstance &instance)
+      : model_(instance.model()), at_(dynamics.model()), dynamics_(dynamics), instance_(instance) {}
+
+  // Each is empty where nothing is wrong.
+  // Restitution and rate of the contacts at the parameters.
+  std::string contactParameters();
+  // Gaps, friction coefficients and bounds at the start (time, state).
+  std::string contactsAtStart(double time, const double *state);
+  // Start values [q, v, z] that are not finite.
+  [[nodiscard]] std::string startValues(const double *state) const;
+  // The first contact or friction element whose coefficient or bound is negative at the evaluation's point.
+  std::string negativeFriction();
+
+  [[nodiscard]] std::string singularMass() const;
+  // The failure of the dynamics' last evaluation.
+  std::string evaluation();
+
+private:
+  std::string nonFinite();
+  std::string nonFiniteConstraint();
+  [[nodiscard]] std::string place(tf_kind kind, int index) const;
+
+  const tf_model &model_;
+  ModelEvaluation &at_;
+  ModeDynamics &dynamics_;
+  const ModelInstance &instance_;
+};
+
+}  // namespace tf::runtime

@@ -1,0 +1,52 @@
+// The integrators of a run and which of them follows the mode (theory.md section 6): the primary one of the options; CVODE, where it is to
+// take over; collocation for slips of two components that start from zero; the explicit one for low bounces beside CVODE.
+#pragma once
+
+#include "runtime/integrate/smooth_integrator.h"
+#include "runtime/simulate/simulation.h"
+
+#include <memory>
+
+namespace tf::runtime {
+
+class Integrators {
+public:
+  explicit Integrators(ModeDynamics &dynamics) : dynamics_(dynamics) {}
+
+  // New ones, none of which has been started; the primary one is the current one.
+  void make(const SimulationOptions &options);
+  [[nodiscard]] SmoothIntegrator &current() { return *current_; }
+  void use(SmoothIntegrator &integrator) { current_ = &integrator; }
+
+  [[nodiscard]] SmoothIntegrator &primary() { return *primary_; }
+  [[nodiscard]] bool primaryIsCurrent() const { return current_ == primary_.get(); }
+  // For a mode that begins as the dynamics was started: slips of two components find their direction within instants, in which the
+  // tolerance does not see it; collocation, whose stages obey the law of friction exactly, follows them.
+  [[nodiscard]] SmoothIntegrator &forNewMode() { return launch_ && dynamics_.launches() ? *launch_ : *primary_; }
+  // CVODE starts with steps of low order, which low bounces would consist of. Null: the primary one is as good.
+  [[nodiscard]] SmoothIntegrator *forLowBounces() { return bounces_.get(); }
+  // The slips that the current one was chosen for are no longer small.
+  [[nodiscard]] bool launchIsOver() const { return current_ == launch_.get() && dynamics_.hasLaunched(); }
+  // To take over where the current one cannot meet the tolerance; null: there is none.
+  [[nodiscard]] SmoothIntegrator *afterFailure();
+  // To take over where stability limits the steps of the current one; null: there is none.
+  [[nodiscard]] SmoothIntegrator *forStiffness();
+
+  // Counts a step of the current one.
+  void countStep(tf_statistics &statistics) const;
+  // Rejected steps, Jacobians and iterations of all.
+  void addStatistics(tf_statistics &statistics) const;
+
+private:
+  [[nodiscard]] IntegratorSettings settings(const SimulationOptions &options) const;
+  SmoothIntegrator *fallback();
+
+  ModeDynamics &dynamics_;
+  std::unique_ptr<SmoothIntegrator> primary_, fallback_;  // the fallback is made when it is needed first
+  std::unique_ptr<SmoothIntegrator> launch_, bounces_;
+  tf_integrator wanted_ = TF_AUTO;
+  bool primaryIsStep_ = false, mayFallBack_ = false;
+  SmoothIntegrator *current_ = nullptr;
+};
+
+}  // namespace tf::runtime

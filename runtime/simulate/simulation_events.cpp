@@ -1,0 +1,286 @@
+// What happens at events: frozen phases, the choice of the mode that follows, rest, jams, the stop and the turn of slips.
+#include "runtime/simulate/simulation_implementation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+// From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
+tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
+  const Mode previous = mode_;
+  for (int pass = 0; pass < 50; ++pass) {
+    Selection selection = selection_.select(time_, state_.data(), mode_, hint);
+    ++statistics_.contact_solves;
+    switch (selection.status) {
+    case SelectionStatus::Impact:
+      if (const tf_status status = freeze(transitions, -1); status != TF_OK)
+        return status;
+      continue;
+    case SelectionStatus::FrictionalImpulse:
+      transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
+      if (const tf_status status = freeze(transitions, selection.contact); status != TF_OK)
+        return status;
+      continue;
+    case SelectionStatus::Failed:
+      if (selection.text.empty())
+        return failEvaluation();
+      return failAt(selection.text);
+    case SelectionStatus::Selected:
+      return enterMode(selection, previous, transitions);
+    }
+  }
+  return failAt("no consistent continuation after the impact");
+}
+
+tf_status Simulation::Implementation::enterMode(Selection &selection, const Mode &previous, std::vector<Transition> &transitions) {
+  mode_ = std::move(selection.mode);
+  modeValid_ = true;
+  std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
+  // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
+  if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) > 1e-15 &&
+      !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  if (selection.indeterminate)
+    transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
+  compareModes(model_, previous, mode_, transitions);
+  if (sensitivities_)
+    sensitivities_->endEvent(rate_.data());
+  startIntegrator();
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
+  const std::vector<int> contacts = selection_.touching(time_, state_.data(), false);
+  const std::vector<int> approaching = selection_.touching(time_, state_.data(), true);
+  std::vector<double> incoming;
+  if (energy_)
+    incoming = state_;
+  if (sensitivities_) {
+    std::vector<double> ignored(model_.nc);
+    const auto impact = [&](double time, double *state) { return impact_.apply(time, state, contacts, forced, ignored.data()); };
+    if (!sensitivities_->propagate(impact, time_, state_.data()))
+      return failSensitivities("the impact");
+  }
+  if (!impact_.apply(time_, state_.data(), contacts, forced, impulse_.data()))
+    return failAt(impact_.text());
+  if (energy_)
+    energy_->addImpact(time_, incoming.data(), state_.data(), impact_.boundaryWork());
+  ++statistics_.frozen_phases;
+  statistics_.breakpoints += impact_.breakpoints();
+  for (int i : approaching)
+    transitions.push_back({TF_EVENT_IMPACT, i});
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::failWithoutProgress() {
+  return failAt(fmt::format("no consistent continuation: {} events since t = {:.10g}, the last", progress_.count, progress_.since));
+}
+
+// Remembers the point before an event; the state is the one just before it.
+void Simulation::Implementation::beginEvent() {
+  before_ = state_;
+  if (!owner_.onEvent)
+    return;
+  values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
+  for (int column = 0; sensitivities_ && column < sensitivities_->columnCount(); ++column)
+    if (double *all = beforeSensitivities_.data() + static_cast<std::ptrdiff_t>(column) * model_.variable_count; !sensitivity(column, all))
+      std::fill_n(all, model_.variable_count, std::numeric_limits<double>::quiet_NaN());
+}
+
+void Simulation::Implementation::report(const std::vector<Transition> &transitions) {
+  for (const Transition &transition : transitions) {
+    ++statistics_.events[transition.kind];
+    if (owner_.onEvent) {
+      const tf_event event = {time_, state_[at_.tauIndex()], transition.kind, transition.element, before_.data(), state_.data()};
+      owner_.onEvent(event);
+    }
+  }
+}
+
+tf_status Simulation::Implementation::timeEvent() {
+  beginEvent();
+  const double potential = energy_ ? energy_->energyAt(time_, state_.data()).potential : 0;
+  enterSegment();
+  if (energy_)
+    energy_->addJump(energy_->energyAt(time_, state_.data()).potential - potential);
+  rest_.restart();
+  std::vector<Transition> transitions = {{TF_EVENT_TIME, -1}};
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  report(transitions);
+  return TF_OK;
+}
+
+tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
+  if (!progress_.add(time_))
+    return failWithoutProgress();
+  const Guard guard = dynamics_.guards()[event.guard];
+  const bool stops = guard.kind == GuardKind::SlipAlong;
+  if (stops && !locateStop(event))
+    return followTurn(event);
+  if (!stops && !detection_->locate(event))
+    return failEvaluation();
+  SmoothIntegrator &integrator = integrators_.current();
+  dynamics_.project(integrator.end(), integrator.settings().scale.data(), stops ? event.guard : -1);
+  if (const tf_status status = commit(); status != TF_OK)
+    return status;
+  // Other least-norm forces of redundant contacts: the same motion, no event.
+  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
+    dynamics_.evaluate(time_, state_.data(), rate_.data());
+    startIntegrator();
+    return TF_OK;
+  }
+  beginEvent();
+  if (sensitivities_ && !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  if (sensitivities_ && !sensitivities_->beginEvent(time_, state_.data(), rate_.data(), event.guard))
+    return failSensitivities("an event where a switching function touches zero");
+  return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
+}
+
+// The guard is zero at (time_, state_); `stopped` is the first tangential row of a slip of two components that has stopped, else −1.
+tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped, double limit) {
+  SwitchHint hint;
+  if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
+    hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
+  else if (guard.kind == GuardKind::Condition)
+    hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
+  std::vector<Transition> transitions;
+  if (const tf_status status = settle(transitions, hint); status != TF_OK)
+    return status;
+  if (stopped >= 0 && mode_.tangent[stopped] == Tangent::SlipPositive)
+    transitions.push_back({TF_EVENT_SLIP_REVERSAL, elementOfTangent(model_, stopped)});
+  report(transitions);
+  const bool impact = std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_IMPACT; });
+  return impact ? afterImpact(limit) : TF_OK;
+}
+
+tf_status Simulation::Implementation::afterImpact(double limit) {
+  const RestPoint *rest =
+      rest_.afterImpact(time_, before_.data(), state_.data(), owner_.options.tolerance, integrators_.current().settings().scale.data());
+  if (rest != nullptr && rest->time <= limit)
+    return comeToRest(*rest);
+  if (SmoothIntegrator *bounces = integrators_.forLowBounces(); bounces != nullptr && rest_.bouncesLow()) {
+    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failEvaluation();
+    startIntegrator(*bounces);
+  }
+  return TF_OK;
+}
+
+// The end of infinitely many impacts: contacts close for good.
+tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
+  if (sensitivities_)
+    return failSensitivities("infinitely many impacts");
+  const double lastImpact = time_;
+  const std::vector<double> afterImpact = state_;
+  time_ = point.time;
+  state_ = point.state;
+  for (int i = 0; i < model_.nc; ++i)
+    impulse_[i] += point.impulse[i];
+  Mode resting = mode_;
+  for (const int i : point.contacts)
+    resting.closed[i] = 1;
+  for (const int j : point.sticking)
+    resting.tangent[j] = Tangent::Stick;
+  // Whether the contacts really stay closed is decided by settle(): a mode without admissible forces can still be projected onto.
+  for (int pass = 0; pass < 3; ++pass) {
+    dynamics_.start(resting, time_, state_.data());
+    if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) < 1e-14)
+      break;
+  }
+  if (energy_)
+    energy_->addImpacts(lastImpact, afterImpact.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
+  if (!dynamics_.start(mode_, time_, state_.data()))
+    return failEvaluation();
+  beginEvent();
+  std::vector<Transition> transitions;
+  transitions.reserve(point.contacts.size());
+  for (const int i : point.contacts)
+    transitions.push_back({TF_EVENT_REST, i});
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  std::erase_if(transitions, [this](const Transition &t) { return t.kind == TF_EVENT_REST && !mode_.closed[t.element]; });
+  report(transitions);
+  return TF_OK;
+}
+
+// The force of a contact grows beyond all bounds as D_s reaches zero (Génot and Brogliato, Eur. J. Mech. A/Solids 18, 1999): what follows
+// is a frictional impulse that ends the slip.
+tf_status Simulation::Implementation::jam(int contact) {
+  if (sensitivities_)
+    return failSensitivities("a contact force that grows beyond all bounds");
+  if (!progress_.add(time_))
+    return failWithoutProgress();
+  beginEvent();
+  std::vector<Transition> transitions = {{TF_EVENT_PAINLEVE, contact}};
+  if (const tf_status status = freeze(transitions, contact); status != TF_OK)
+    return status;
+  if (const tf_status status = settle(transitions); status != TF_OK)
+    return status;
+  report(transitions);
+  return TF_OK;
+}
+
+// The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
+// the tolerance? Else it turns by a right angle. Where it hardly turns any more its direction is held, since the right-hand side is
+// singular at zero; friction that has the direction of the step's begin leaves a rest of the size of the turn, which is bounded here too.
+bool Simulation::Implementation::locateStop(DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const IntegratorSettings &settings = integrator.settings();
+  double scale = 1;
+  for (int i = 0; i < model_.nv; ++i)
+    scale = std::max({scale, settings.scale[model_.nq + i], std::abs(integrator.begin()[model_.nq + i])});
+  const double allowed = std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(integrator.begin()));
+  std::vector<double> state(n_);
+  integrator.interpolate(event.time, state.data());
+  at_.setPoint(event.time, state.data());
+  at_.switching(ModelEvaluation::Slips);
+  const double speed = dynamics_.slipSpeed(event.guard);
+  if (speed > 1e3 * allowed)
+    return false;
+  dynamics_.holdDirection(event.guard, true);
+  if (detection_->locate(event)) {
+    at_.setPoint(integrator.endTime(), integrator.end());
+    at_.switching(ModelEvaluation::Slips);
+    if (dynamics_.slipSpeed(event.guard) <= allowed)
+      return true;
+  }
+  dynamics_.holdDirection(event.guard, false);
+  if (speed > 10 * allowed)
+    return false;
+  // Other slips that have just begun may keep implicit equations from being solved to rounding: the interpolant is as good as the step.
+  std::copy(state.begin(), state.end(), integrator.end());
+  integrator.moveEnd(event.time);
+  return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
+}
+
+// The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.
+tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime();
+  double length = event.time - begin;
+  for (bool good = false; !good;) {
+    length *= 0.75;
+    if (begin + length <= begin)
+      return failEvaluation();
+    if (!integrator.shorten(begin + length))
+      continue;
+    at_.switching(ModelEvaluation::Slips);
+    good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard);
+  }
+  dynamics_.project(integrator.end(), integrator.settings().scale.data());
+  if (const tf_status status = commit(); status != TF_OK)
+    return status;
+  suggestedStep_ = 0.5 * length;
+  dynamics_.renewDirections(time_, state_.data());
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  startIntegrator();
+  return TF_OK;
+}
+
+}  // namespace tf::runtime

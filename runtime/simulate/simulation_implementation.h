@@ -1,0 +1,112 @@
+// The state of a simulation and its parts; simulation.cpp has the way through time, simulation_events.cpp what happens at events.
+#pragma once
+
+#include "runtime/simulate/constrained_start.h"
+#include "runtime/simulate/energy_balance.h"
+#include "runtime/simulate/event_detection.h"
+#include "runtime/simulate/event_progress.h"
+#include "runtime/simulate/failure_texts.h"
+#include "runtime/simulate/impact.h"
+#include "runtime/simulate/integrators.h"
+#include "runtime/simulate/invariants.h"
+#include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/rest_prediction.h"
+#include "runtime/simulate/sensitivities.h"
+#include "runtime/simulate/simulation.h"
+#include "runtime/simulate/transitions.h"
+#include "runtime/simulate/variable_values.h"
+
+namespace tf::runtime {
+
+class Simulation::Implementation {
+public:
+  Implementation(Simulation &owner, ModelInstance &instance, InputSignals &inputs);
+
+  tf_status initialise(double startTime);
+  tf_status advanceTo(double time);
+  void values(double *all);
+  bool sensitivity(int column, double *all);
+  [[nodiscard]] const tf_statistics &statistics();
+
+  // Continuation state; plain data.
+  [[nodiscard]] std::size_t stateSize();
+  void save(void *buffer);
+  void restore(const void *buffer);
+
+  Simulation &owner_;
+  const tf_model &model_;
+  ModelInstance &instance_;
+  InputSignals &inputs_;
+  ModelEvaluation at_;
+  ModeDynamics dynamics_;
+  ModeSelection selection_;
+  Impact impact_;
+  RestPrediction rest_;
+  VariableValues values_;
+  FailureTexts failures_;
+  Integrators integrators_;
+  int n_;
+
+  double time_ = 0;
+  std::vector<double> state_, rate_, before_;  // q, v, z, tau; its rate; state before the event that is being handled
+  std::vector<double> impulse_;
+  std::vector<double> beforeValues_, beforeSensitivities_;
+  Mode mode_;
+  bool modeValid_ = false;
+  double suggestedStep_ = 0;
+  std::uint64_t inputRevision_ = 0;
+  EventProgress progress_;
+  std::string error_;
+  tf_statistics statistics_ = {};
+  std::vector<double> parameters_;
+  std::unique_ptr<EventDetection> detection_;
+  std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
+  Invariants invariants_;
+  std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
+
+private:
+  // What continuation depends on and the parts of the simulation own.
+  struct Continuation {
+    explicit Continuation(std::size_t impactNumbers) : impacts(impactNumbers) {}
+    EnergyTotals energy;
+    std::vector<double> impacts;  // RestPrediction
+  };
+  // Calls `field`(data, bytes) for all that continuation depends on, in order.
+  template <class Field> void forContinuation(Continuation &more, const Field &field);
+
+  // simulation.cpp
+  tf_status fail(std::string text);
+  tf_status failAt(std::string_view text);
+  tf_status failSensitivities(std::string_view where);
+  tf_status failEvaluation();
+  tf_status takeStarts();
+  tf_status solveStart();
+  tf_status settleStart();
+  void startIntegrator(SmoothIntegrator &integrator);
+  void startIntegrator() { startIntegrator(integrators_.forNewMode()); }
+  bool takeOver(SmoothIntegrator &integrator);
+  void enterSegment();
+  bool skipTo(double limit);
+  tf_status failStep(StepStatus status);
+  tf_status step(double limit);
+  tf_status commit();
+  void observeInvariants();
+
+  // simulation_events.cpp
+  tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
+  tf_status enterMode(Selection &selection, const Mode &previous, std::vector<Transition> &transitions);
+  tf_status freeze(std::vector<Transition> &transitions, int forced);
+  tf_status failWithoutProgress();
+  void beginEvent();
+  void report(const std::vector<Transition> &transitions);
+  bool locateStop(DetectedEvent &event);
+  tf_status followTurn(const DetectedEvent &event);
+  tf_status handle(DetectedEvent event, double limit);
+  tf_status changeMode(const Guard &guard, int stopped, double limit);
+  tf_status afterImpact(double limit);
+  tf_status comeToRest(const RestPoint &point);
+  tf_status jam(int contact);
+  tf_status timeEvent();
+};
+
+}  // namespace tf::runtime

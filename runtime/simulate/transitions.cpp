@@ -1,0 +1,61 @@
+#include "runtime/simulate/transitions.h"
+
+#include "runtime/tf.h"
+
+namespace tf::runtime {
+
+namespace {
+
+template <class Element> bool hasTangent(const Element &element, int row) {
+  return row >= element.tangent_first && row < element.tangent_first + element.tangent_count;
+}
+
+// Both rows of a slip of two components change together: the first one tells.
+template <class Element>
+void compareTangent(const Element &element, int number, const Mode &from, const Mode &to, std::vector<Transition> &transitions) {
+  if (element.tangent_count == 0)
+    return;
+  const Tangent a = from.tangent[element.tangent_first], b = to.tangent[element.tangent_first];
+  if (a == b || b == Tangent::None)
+    return;
+  if (b == Tangent::Stick)
+    transitions.push_back({TF_EVENT_STICK, number});
+  else if (a == Tangent::Stick)
+    transitions.push_back({TF_EVENT_SLIP, number});
+  else if (a != Tangent::None)
+    transitions.push_back({TF_EVENT_SLIP_REVERSAL, number});
+}
+
+}  // namespace
+
+int elementOfTangent(const tf_model &model, int row) {
+  for (int i = 0; i < model.nc; ++i)
+    if (hasTangent(model.contacts[i], row))
+      return i;
+  for (int f = 0; f < model.nf; ++f)
+    if (hasTangent(model.frictions[f], row))
+      return model.nc + f;
+  return -1;
+}
+
+void compareModes(const tf_model &model, const Mode &from, const Mode &to, std::vector<Transition> &transitions) {
+  for (int i = 0; i < model.nc; ++i)
+    if (from.closed[i] != to.closed[i])
+      transitions.push_back({to.closed[i] ? TF_EVENT_CLOSING : TF_EVENT_OPENING, i});
+  for (int i = 0; i < model.nc; ++i)
+    compareTangent(model.contacts[i], i, from, to, transitions);
+  for (int f = 0; f < model.nf; ++f)
+    compareTangent(model.frictions[f], model.nc + f, from, to, transitions);
+  if (from.switches.empty())
+    return;
+  for (int j = 0; j < model.ns; ++j) {
+    if (from.switches[j] == to.switches[j])
+      continue;
+    const int kind = to.switches[j] == Switch::Sliding          ? TF_EVENT_SLIDING
+                     : model.switches[j].kind == TF_SWITCH_TIME ? TF_EVENT_TIME
+                                                                : TF_EVENT_STATE;
+    transitions.push_back({kind, model.nc + model.nf + j});
+  }
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,38 @@
+#include "runtime/simulate/event_progress.h"
+
+#include <gtest/gtest.h>
+
+namespace tf::runtime {
+namespace {
+
+int eventsUntilGivenUp(double time, double distance, int most) {
+  EventProgress progress;
+  progress.start(time);
+  int count = 0;
+  while (count < most && progress.add(time + count * distance))
+    ++count;
+  return count;
+}
+
+TEST(EventProgress, GivesUpWhereEventsNeitherEndNorMoveTime) { EXPECT_LT(eventsUntilGivenUp(2.5, 0, 100000), 5000); }
+
+TEST(EventProgress, GivesUpWhereProgressIsTiny) {
+  EXPECT_LT(eventsUntilGivenUp(0.5, 1e-11, 100000), 5000);
+  EXPECT_LT(eventsUntilGivenUp(1e6, 1e-9, 100000), 5000);
+}
+
+TEST(EventProgress, FastSwitchingGoesOn) {
+  EXPECT_EQ(eventsUntilGivenUp(0, 1e-8, 100000), 100000);
+  EXPECT_EQ(eventsUntilGivenUp(3600, 1e-6, 100000), 100000);
+}
+
+TEST(EventProgress, ABurstOfEventsAtOneTimeGoesOn) {
+  EventProgress progress;
+  progress.start(0);
+  for (int burst = 1; burst <= 100; ++burst)
+    for (int k = 0; k < 300; ++k)
+      ASSERT_TRUE(progress.add(burst)) << burst;
+}
+
+}  // namespace
+}  // namespace tf::runtime
