@@ -11,6 +11,8 @@ int main(int argc, char **argv) {
   int files = 0;
   for (int i = 1; i < argc; ++i) {
     for (const auto &entry : std::filesystem::directory_iterator(argv[i])) {
+      if (!entry.is_regular_file())
+        continue;
       std::ifstream stream(entry.path(), std::ios::binary);
       const std::string text((std::istreambuf_iterator<char>(stream)), std::istreambuf_iterator<char>());
       std::printf("%s\n", entry.path().filename().c_str());

@@ -175,8 +175,8 @@ std::string spatialText(const SpatialKind &kind, const char *law) {
   contact sphere_floor{0}(gap = c{0}[3] - R{0}, slip = {{der(c{0}[1]) - R{0}*w{0}[2], der(c{0}[2]) + R{0}*w{0}[1]}}, friction = mu[2], restitution = e[2], law = ImpactLaw.{1});
 )",
                         i, law);
-  // The tangents of a pair: two directions across the line of centres, which stays away from the vertical's opposite by construction of the
-  // frame {1 + n3 …} only where n3 > −1; spheres that lie on the floor have n3 near 0.
+  // The slip of a pair in a frame across its line of centres n, turned from {x, y} the short way: singular only where n points straight
+  // down, that is, for a sphere exactly on top of one with a lower number.
   for (int i = 1; i <= kind.spheres; ++i)
     for (int j = i + 1; j <= kind.spheres; ++j)
       text += fmt::format(R"(  Real d{0}{1}[3] = c{1} - c{0};

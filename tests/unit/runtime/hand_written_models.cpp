@@ -10,12 +10,6 @@ namespace tf::runtime::test {
 
 namespace {
 
-using In = const double *const *;
-using Out = double *const *;
-using Mask = const std::uint8_t *;
-
-bool selected(Mask mask, int row) { return mask == nullptr || mask[row] != 0; }
-
 // Point mass in `n` dimensions above the floor (last coordinate = 0), force u. Parameters in the order m, g, mu, e, then those of the
 // model.
 template <int n, int rateParameter> struct Particle {

@@ -3,6 +3,7 @@
 
 #include "runtime/abi/tf_model.h"
 
+#include <cstdint>
 #include <deque>
 #include <initializer_list>
 #include <limits>
@@ -10,6 +11,13 @@
 #include <vector>
 
 namespace tf::runtime::test {
+
+// Arguments of a model's functions (tf_function).
+using In = const double *const *;
+using Out = double *const *;
+using Mask = const std::uint8_t *;
+
+inline bool selected(Mask mask, int row) { return mask == nullptr || mask[row] != 0; }
 
 inline constexpr double infinity = std::numeric_limits<double>::infinity();
 

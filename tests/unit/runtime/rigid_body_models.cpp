@@ -11,12 +11,6 @@ namespace tf::runtime::test {
 
 namespace {
 
-using In = const double *const *;
-using Out = double *const *;
-using Mask = const std::uint8_t *;
-
-bool selected(Mask mask, int row) { return mask == nullptr || mask[row] != 0; }
-
 struct Point {
   double x, y;  // in the body's frame
 };

@@ -160,37 +160,11 @@ end Box;
 }
 
 // One model with everything: rotations as coordinates, of hinges and composed, moving bases, constraints of both kinds.
-constexpr const char *kEverything = R"(
-model Everything
-  parameter Real I[3, 3] = {{0.2, 0.01, 0}, {0.01, 0.3, 0.02}, {0, 0.02, 0.25}};
-  input Real u;
-  coordinate Real phi, s;
-  coordinate Rotation R, Q[2];
-  Real z(start = 1);
-  Rotation hinge = rotation({1, 2, 2*s}, phi + 0.3*sin(time));
-  Rotation arm = R*hinge;
-  Real tip[3] = {s, 0.2*time^2, 0} + R*({0.1, 0.2, 0.3} + hinge*{0, s, 0.4});
-  Real ball[3] = tip + arm*(inverse(Q[1])*{0.2, 0.1, -0.3});
-  body first(mass = 1.5, position = tip, orientation = arm, inertia = I);
-  body second(mass = 0.5, position = ball, orientation = Q[1]*Q[2], inertia = 0.1*identity(3));
-  body third(orientation = Q[2], inertia = diagonal({0.3, 0.2, 0.4}));
-  body weightless(angle = phi, inertia = 0.1);
-  gravity weight(acceleration = {0.1*time, 0, -9.81});
-  potential spring(energy = 0.5*(tip - ball)*(tip - ball)*(1 + 0.1*time) + z*s);
-  force motor(value = {u, z, 0.3}, at = arm);
-  force push(value = -0.2*der(ball) + {u, 0, 0}, at = ball + {0, time, 0});
-  force damper(value = -0.1*Q[2].w, at = Q[2]);
-  contact floor(gap = ball[3] - 0.1*sin(time), slip = der(ball[1:2]) - {0.3, time}, friction = 0.4);
-  friction dry(slip = arm.w[1] + der(s), bound = 1);
-  constraint joint(residual = {ball[1] - time^2, (Q[1]*{1, 0, 0})*(R*{0, 1, 0})});
-  constraint rolling(velocityResidual = R.w[3] - Q[2].w[1]*s - 0.3*time);
-equation
-  der(z) = s - z;
-end Everything;
-)";
+std::unique_ptr<DerivedModel> everything() { return DerivedModel::ofFile("tests/cli/libtf/spatial.tf"); }
 
 TEST(Spatial, ResidualIsMassTimesAccelerationLessForces) {
-  DerivedModel model(kEverything);
+  const std::unique_ptr<DerivedModel> derived = everything();
+  DerivedModel &model = *derived;
   TF_ASSERT_DERIVED(model);
   for (unsigned seed = 1; seed < 4; ++seed) {
     const Point point(*model, seed);
@@ -203,7 +177,8 @@ TEST(Spatial, ResidualIsMassTimesAccelerationLessForces) {
 
 // d(T + V)/dt = power + what contacts, frictions and constraints do, for accelerations that satisfy the equations of motion.
 TEST(Spatial, EnergyChangesByThePowerOfForces) {
-  DerivedModel model(kEverything);
+  const std::unique_ptr<DerivedModel> derived = everything();
+  DerivedModel &model = *derived;
   TF_ASSERT_DERIVED(model);
   ir::Graph &graph = model->graph;
   const ir::NodeId energy = graph.add(model->kineticEnergy, model->potentialEnergy);
@@ -232,7 +207,8 @@ TEST(Spatial, EnergyChangesByThePowerOfForces) {
 
 // Along q' = N v, v' = A, t' = 1: rates and accelerations of gaps, slips, residuals are those of differences.
 TEST(Spatial, RatesAlongTheMotion) {
-  DerivedModel model(kEverything);
+  const std::unique_ptr<DerivedModel> derived = everything();
+  DerivedModel &model = *derived;
   TF_ASSERT_DERIVED(model);
   const Point point(*model, 11);
   const Numbers at{model, point};
