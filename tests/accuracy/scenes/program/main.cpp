@@ -1,14 +1,17 @@
 // random_scenes --show SEED: the model of a scene, and as its first line the command that runs it.
 // random_scenes COUNT [FIRST_SEED]: runs so many random scenes, one line for each that does not end well, then a summary. Exit code 1 where
-// a scene fails, takes more than ten seconds or violates an invariant, or more than 0.5 % of them have no consistent continuation.
+// a scene fails, takes more than ten seconds of CPU time or violates an invariant, or more than 0.5 % of them have no consistent
+// continuation.
 #include "tests/accuracy/scenes/random_scenes.h"
 
 #include <algorithm>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fmt/format.h>
 #include <string_view>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -47,11 +50,13 @@ void show(std::uint64_t seed) {
   fmt::print("\n{}", scene.model);
 }
 
-// In a process of its own, which an alarm or a crash may end.
+constexpr int timeLimit = 10;  // seconds of CPU time for a scene
+
+// In a process of its own, which the timer or a crash may end.
 void runScenes(int first, int end, int out) {
-  constexpr unsigned timeLimit = 10;
+  constexpr itimerval limit = {{0, 0}, {timeLimit, 0}};
   for (int seed = first; seed < end; ++seed) {
-    alarm(timeLimit);
+    setitimer(ITIMER_PROF, &limit, nullptr);
     const Scene scene = tf::test::randomScene(static_cast<std::uint64_t>(seed));
     const SceneOutcome outcome = tf::test::runScene(scene);
     if (outcome.kind != SceneOutcome::Kind::Good)
@@ -84,7 +89,10 @@ int runUntilItEnds(int first, int end, Totals &totals) {
   int status = 0;
   waitpid(child, &status, 0);
   if (seed < end) {
-    fmt::print("seed {}: {}\n", seed, WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "the process ended");
+    if (WIFSIGNALED(status) && WTERMSIG(status) == SIGPROF)
+      fmt::print("seed {}: more than {} s\n", seed, timeLimit);
+    else
+      fmt::print("seed {}: {}\n", seed, WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "the process ended");
     ++totals.bad;
     ++seed;
   }
