@@ -16,7 +16,7 @@ constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
 constexpr double feasibility = 1e-9;
 // D_s below this part of what it is the difference of is zero for a frictional impulse.
 constexpr double jammed = 1e-6;
-constexpr int keptBreakpoints = 1000, tailFrom = 48;
+constexpr int keptBreakpoints = 1000, tailFrom = 24;
 // A contraction factor that differs from 1 by less repeats without contraction.
 constexpr double contraction = 1e-9;
 
@@ -46,6 +46,8 @@ struct FrozenPhase::Workspace {
   std::vector<double> velocity, magnitude, impulse;   // c2 (less Newton's target) and c3, what they are sums of, and total impulses
   std::vector<double> force, acceleration, turnover;  // of the piece: λ, w = D λ, Σ |D λ|
   std::vector<double> increment;                      // of a piece: velocities, impulses, τ, stored impulses, stored works
+  double fastest = 0;                                 // the largest velocity and change of velocity, in the metric of D
+  std::vector<double> metric;                         // √D_rr
   std::vector<std::uint8_t> inCycle;                  // rows, then what normal rows store
   bool hasPrevious = false;
 
@@ -55,6 +57,7 @@ struct FrozenPhase::Workspace {
   [[nodiscard]] bool anyPushes() const;
   void resetTail();
   void pose(int forced);
+  void settleAccelerations();
   bool findDirection(int forced);
   int nextBreakpoint(double &duration) const;
   bool discard();
@@ -74,12 +77,10 @@ struct FrozenPhase::Workspace {
 
 // Velocities that are zero but for the rounding of J v: compared with the largest one, in the metric of D.
 void FrozenPhase::Workspace::roundVelocities() {
-  const auto metric = [this](int r) { return problem->delassus(r, r) > 0 ? std::sqrt(problem->delassus(r, r)) : 1.0; };
-  double largest = 0;
   for (int r = 0; r < problem->count(); ++r)
-    largest = std::max(largest, std::abs(velocity[r]) / metric(r));
+    fastest = std::max(fastest, std::abs(velocity[r]) / metric[r]);
   for (int r = 0; r < problem->count(); ++r)
-    if (std::abs(velocity[r]) <= rounding * largest * metric(r))
+    if (std::abs(velocity[r]) <= rounding * fastest * metric[r])
       velocity[r] = 0;
 }
 
@@ -89,6 +90,10 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   velocity.resize(count);
   std::copy_n(at.normalVelocity.begin(), at.normalCount, velocity.begin());
   std::copy_n(at.slipVelocity.begin(), at.tangentCount, velocity.begin() + at.normalCount);
+  metric.resize(count);
+  for (int r = 0; r < count; ++r)
+    metric[r] = at.delassus(r, r) > 0 ? std::sqrt(at.delassus(r, r)) : 1.0;
+  fastest = 0;
   roundVelocities();
   if (forced >= 0)
     velocity[forced] = std::min(velocity[forced], 0.0);
@@ -147,6 +152,26 @@ void FrozenPhase::Workspace::pose(int forced) {
   }
 }
 
+// What is zero but for rounding. Rows at rest stay where their force is within its limits, and leave to the side that it cannot hold them
+// from: a condition that is violated within the solver's tolerance is no motion.
+void FrozenPhase::Workspace::settleAccelerations() {
+  const PlanarFrictionProblem &p = solver.problem();
+  const PlanarFrictionSolution &found = solver.solution();
+  for (int r = 0; r < problem->count(); ++r)
+    if (std::abs(acceleration[r]) <= rounding * turnover[r])
+      acceleration[r] = 0;
+  for (int i = 0; i < p.normalCount; ++i) {
+    if (p.normalKind[i] != NormalKind::Unilateral)
+      continue;
+    if (found.mode.normal[i] == NormalState::Off)
+      acceleration[i] = std::max(acceleration[i], 0.0);
+    else if (found.mode.normal[i] == NormalState::Upper)
+      acceleration[i] = std::min(acceleration[i], 0.0);
+    else
+      acceleration[i] = 0;
+  }
+}
+
 // λ and w of the next piece; false where no successor exists.
 bool FrozenPhase::Workspace::findDirection(int forced) {
   pose(forced);
@@ -161,9 +186,7 @@ bool FrozenPhase::Workspace::findDirection(int forced) {
     if (force[c] != 0)
       for (int r = 0; r < count; ++r)
         turnover[r] += std::abs(problem->delassus(r, c) * force[c]);
-  for (int r = 0; r < count; ++r)
-    if (std::abs(acceleration[r]) <= rounding * turnover[r])
-      acceleration[r] = 0;
+  settleAccelerations();
   previous = found.mode;
   for (int i = 0; i < problem->normalCount; ++i)
     if (pushes(i) || i == forced)
@@ -233,10 +256,14 @@ void FrozenPhase::Workspace::advance(int row, double duration) {
     // Zeros at the same instant differ by rounding.
     if (r == row || (before * acceleration[r] < 0 && std::abs(velocity[r]) <= rounding * magnitude[r]))
       velocity[r] = 0;
+    fastest = std::max(fastest, magnitude[r] / metric[r]);
     impulse[r] += force[r] * duration;
     increment[r] = acceleration[r] * duration;
     increment[count + r] = force[r] * duration;
   }
+  for (int r = 0; r < count; ++r)
+    if (std::abs(velocity[r]) <= rounding * fastest * metric[r])
+      velocity[r] = 0;
   increment[2 * static_cast<std::size_t>(count)] = duration;
   tau += duration;
   tail.add(row, increment);

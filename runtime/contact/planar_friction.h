@@ -61,6 +61,8 @@ public:
   // Among several solutions: `previous` (may be null) unless it is unstable, else the one with the fewest contacts pushing, else that
   // where the lowest index does. `tolerance`: accepted violation.
   const PlanarFrictionSolution &solve(const PlanarFrictionMode *previous, double tolerance);
+  // Of the last problem.
+  [[nodiscard]] const PlanarFrictionSolution &solution() const { return solution_; }
   // √D_rr, or 1 where it is zero: forces times it and accelerations over it are comparable between rows.
   [[nodiscard]] const std::vector<double> &metric() const { return metric_; }
   // Violation of the last problem's conditions by other forces and accelerations, relative to the scale.

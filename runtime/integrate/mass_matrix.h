@@ -1,18 +1,20 @@
-// The symmetric positive definite mass matrix: Cholesky factor within its envelope, and solutions.
+// The symmetric positive definite mass matrix: M = Pᵀ L Δ Lᵀ P, L unit lower triangular, Δ diagonal, P a permutation.
 //
-// Zeros before the first entry of a row stay zero in the factor. The unknowns are eliminated in their own order or from the last to the
-// first, whichever has the smaller envelope: bodies that do not move one another cost what they cost alone, and of branches from a common
-// base, numbered outwards, elimination from the tips (LᵀDL, Featherstone, Rigid Body Dynamics Algorithms, 2008, section 6.5) fills nothing.
+// Which entries may differ from zero is known when the matrix is made; the unknowns fall into blocks that do not move one another (bodies
+// apart), and within a block are eliminated in the order whose envelope is smallest: their own, the reverse one or that of minimum degree.
+// Of branches from a common base, numbered outwards, elimination from the tips (Featherstone, Rigid Body Dynamics Algorithms, 2008, section
+// 6.5) fills nothing. Small blocks take code for their size.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 namespace tf::runtime {
 
 class MassMatrix {
 public:
-  explicit MassMatrix(int size)
-      : size_(size), factor_(static_cast<std::size_t>(size) * size), inverseDiagonal_(size), first_(size), reversedFirst_(size) {}
+  // Entries below the diagonal that may differ from zero: columns[rows[i]] … columns[rows[i + 1] − 1] of row i, ascending. Null: all.
+  explicit MassMatrix(int size, const std::int32_t *rows = nullptr, const std::int32_t *columns = nullptr);
 
   // Factorises M [n × n, row-major, symmetric]. False if it is not positive definite (or not finite).
   bool factorise(const double *mass);
@@ -21,16 +23,38 @@ public:
   // Row (from 0) of the last pivot that failed.
   [[nodiscard]] int failedRow() const { return failedRow_; }
 
+  // The two halves of a solution, in places: rows in the order of elimination, block after block.
+  struct Block {
+    int begin = 0, end = 0;
+  };
+  [[nodiscard]] const std::vector<Block> &blocks() const { return blocks_; }
+  // The block of row i of M.
+  [[nodiscard]] int blockOf(int row) const { return blockOf_[row]; }
+  // z = L⁻¹ P b and scaled = Δ⁻¹ z on the places of one block. Returns the first place whose z is not zero, or the block's end.
+  int forward(int block, const double *b, double *z, double *scaled) const;
+  // x = Pᵀ L⁻ᵀ y, all blocks; y is overwritten.
+  void backward(double *y, double *x) const;
+
 private:
-  void findEnvelope(const double *mass);
-  bool invertDiagonal(const double *mass);
-  [[nodiscard]] int rowOf(int place) const { return isReversed_ ? size_ - 1 - place : place; }
+  struct Pattern;
+  void order(const Pattern &pattern);
+  void addBlock(const Pattern &pattern, std::vector<int> rows);
+  bool factoriseEnvelope(const Block &block, const double *mass);
+  void forwardEnvelope(const Block &block, int from, double *x) const;
+  void backwardEnvelope(const Block &block, double *x) const;
+  [[nodiscard]] double *rowOf(int place) { return factor_.data() + start_[place]; }
+  [[nodiscard]] const double *rowOf(int place) const { return factor_.data() + start_[place]; }
 
   int size_;
-  std::vector<double> factor_;              // lower triangle of L in the order of elimination, row-major
-  std::vector<double> inverseDiagonal_;     // 1 / L_ii; of a diagonal matrix 1 / M_ii
-  std::vector<int> first_, reversedFirst_;  // column of the first entry of each row of L
-  bool diagonal_ = false, isReversed_ = false;
+  bool inOrder_ = true;  // places are rows
+  std::vector<Block> blocks_;
+  std::vector<int> rows_;                 // of places
+  std::vector<int> blockOf_;              // of rows
+  std::vector<int> first_;                // place of the first entry of each row of L
+  std::vector<std::ptrdiff_t> start_;     // where each row of L begins in factor_; its entry of place k is at start + k
+  std::vector<double> factor_, inverse_;  // L, and 1 / Δ of places
+  std::vector<double> unscaled_;          // a row of L Δ
+  mutable std::vector<double> work_;
   int failedRow_ = -1;
 };
 
