@@ -42,6 +42,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
   }
   slips_.choose(mode_, rows_, problem_, time, state);
   projection_.resize();
+  nothingStops_.assign(tangents.size(), 0);
   rowChange_.assign(rows_.count(), 0.0);
   forceChange_ = rowChange_;
   limitChange_.assign(tangents.size(), 0.0);

@@ -90,11 +90,12 @@ public:
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
 
-  // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). The slip of the SlipAlong
-  // guard `stopped` becomes zero too. Returns the size of the correction relative to `scale` [n].
-  double project(double *state, const double *scale, int stopped = -1) {
-    return projection_.project(state, scale, stopped < 0 ? -1 : slips_.row(guards_[stopped].index));
-  }
+  // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). Returns the size of the
+  // correction relative to `scale` [n].
+  double project(double *state, const double *scale) { return projection_.project(state, scale, nothingStops_.data()); }
+  // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
+  // `slow`: slips of one body stop together.
+  double projectStop(double *state, const double *scale, int stopped, double slow);
   [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
 
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
@@ -134,6 +135,7 @@ private:
   SlipDirections slips_;
   Projection projection_;
   std::vector<std::uint8_t> isPaired_;  // nt
+  std::vector<std::uint8_t> nothingStops_, stops_;  // tangential rows
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;

@@ -87,6 +87,16 @@ void ModeDynamics::guardRates(double *rates) const {
     rates[k] = guards_[k].kind == GuardKind::Gap ? at_.gapRate[guards_[k].index] : std::numeric_limits<double>::quiet_NaN();
 }
 
+double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
+  at_.setPoint(at_.time(), state);
+  at_.switching(ModelEvaluation::Slips);
+  stops_ = nothingStops_;
+  for (int pair = 0; pair < slips_.count(); ++pair)
+    if (pair == guards_[stopped].index || slips_.speed(pair) <= slow)
+      stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+  return projection_.project(state, scale, stops_.data());
+}
+
 bool ModeDynamics::rechoose(int guard) {
   assert(guards_[guard].kind == GuardKind::Force);
   if (forces_.cross(guards_[guard].index) != MarginOutcome::Rechosen)

@@ -98,7 +98,7 @@ void Projection::projectCoordinates(double *state) {
   }
 }
 
-void Projection::projectVelocities(double *velocities, int stoppedRow) {
+void Projection::projectVelocities(double *velocities, const std::uint8_t *stopped) {
   const tf_model &model = at_.model();
   std::fill(change_.begin(), change_.end(), 0.0);
   if (model.nh > 0) {
@@ -112,7 +112,7 @@ void Projection::projectVelocities(double *velocities, int stoppedRow) {
     at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
   for (int i = 0; i < rows; ++i) {
     const int j = i - normals;
-    corrected_[i] = i < normals || problem_.slipSign[j] == 0 || (stoppedRow >= 0 && (j == stoppedRow || j == stoppedRow + 1));
+    corrected_[i] = i < normals || problem_.slipSign[j] == 0 || stopped[j] != 0;
     const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : rows_.tangentValue(at_.slip.data(), 1, j);
     residual_[i] = corrected_[i] ? -rate - rows_.product(i, change_.data()) : 0;
   }
@@ -121,14 +121,14 @@ void Projection::projectVelocities(double *velocities, int stoppedRow) {
     velocities[i] += change_[i];
 }
 
-double Projection::project(double *state, const double *scale, int stoppedRow) {
+double Projection::project(double *state, const double *scale, const std::uint8_t *stopped) {
   if (!isNeeded())
     return 0;
   const tf_model &model = at_.model();
   at_.setPoint(at_.time(), state);
   std::copy_n(state, model.nq + model.nv, before_.begin());
   projectCoordinates(state);
-  projectVelocities(state + model.nq, stoppedRow);
+  projectVelocities(state + model.nq, stopped);
   double size = 0;
   for (int k = 0; k < model.nq + model.nv; ++k)
     size = std::max(size, std::abs(state[k] - before_[k]) / scale[k]);

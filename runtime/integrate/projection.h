@@ -19,15 +19,15 @@ public:
   void resize();
   [[nodiscard]] bool isNeeded() const;
   // Moves (q, v) of `state`, which is the point of the latest evaluation, onto gap = 0, gap rate = 0 and slip = 0 where problem.slipSign is
-  // 0, and onto the constraints, and quaternions to unit length. `stoppedRow`: number of a tangential row (among the rows) that slips and
-  // becomes zero too, with its partner; or −1. Returns the size of the correction relative to `scale` [n].
-  double project(double *state, const double *scale, int stoppedRow);
+  // 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length. Returns the size of the correction
+  // relative to `scale` [n].
+  double project(double *state, const double *scale, const std::uint8_t *stopped);
 
 private:
   void correct(double *target);
   double coordinateResiduals();
   void projectCoordinates(double *state);
-  void projectVelocities(double *velocities, int stoppedRow);
+  void projectVelocities(double *velocities, const std::uint8_t *stopped);
 
   ModelEvaluation &at_;
   const RowSystem &rows_;

@@ -124,7 +124,10 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (!stops && !detection_->locate(event))
     return failEvaluation();
   SmoothIntegrator &integrator = integrators_.current();
-  dynamics_.project(integrator.end(), integrator.settings().scale.data(), stops ? event.guard : -1);
+  if (const double *scale = integrator.settings().scale.data(); stops)
+    dynamics_.projectStop(integrator.end(), scale, event.guard, stopTolerance());
+  else
+    dynamics_.project(integrator.end(), scale);
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   // Other least-norm forces of redundant contacts: the same motion, no event.
@@ -225,16 +228,22 @@ tf_status Simulation::Implementation::jam(int contact) {
   return TF_OK;
 }
 
-// The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
-// the tolerance? Else it turns by a right angle. Where it hardly turns any more its direction is held, since the right-hand side is
-// singular at zero; friction that has the direction of the step's begin leaves a rest of the size of the turn, which is bounded here too.
-bool Simulation::Implementation::locateStop(DetectedEvent &event) {
+// Slips that are slower may be taken for zero: far within the tolerance of velocities.
+double Simulation::Implementation::stopTolerance() {
   SmoothIntegrator &integrator = integrators_.current();
   const IntegratorSettings &settings = integrator.settings();
   double scale = 1;
   for (int i = 0; i < model_.nv; ++i)
     scale = std::max({scale, settings.scale[model_.nq + i], std::abs(integrator.begin()[model_.nq + i])});
-  const double allowed = std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(integrator.begin()));
+  return std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(integrator.begin()));
+}
+
+// The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
+// the tolerance? Else it turns by a right angle. Where it hardly turns any more its direction is held, since the right-hand side is
+// singular at zero; friction that has the direction of the step's begin leaves a rest of the size of the turn, which is bounded here too.
+bool Simulation::Implementation::locateStop(DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double allowed = stopTolerance();
   std::vector<double> state(n_);
   integrator.interpolate(event.time, state.data());
   at_.setPoint(event.time, state.data());

@@ -99,6 +99,7 @@ private:
   tf_status failWithoutProgress();
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
+  double stopTolerance();
   bool locateStop(DetectedEvent &event);
   tf_status followTurn(const DetectedEvent &event);
   tf_status handle(DetectedEvent event, double limit);
