@@ -258,7 +258,9 @@ void MassMatrix::solve(const double *b, double *x) const {
     for (int place = block.begin; place < block.end; ++place)
       y[place] *= inverse_[place];
   }
-  backward(y, x);
+  backward(y);
+  for (int place = 0; place < size_ && !inOrder_; ++place)
+    x[rows_[place]] = y[place];
 }
 
 int MassMatrix::forward(int number, const double *b, double *z, double *scaled) const {
@@ -278,7 +280,7 @@ int MassMatrix::forward(int number, const double *b, double *z, double *scaled) 
   return from;
 }
 
-void MassMatrix::backward(double *y, double *x) const {
+void MassMatrix::backward(double *y) const {
   for (const Block &block : blocks_) {
     const int n = block.end - block.begin;
     if (n > fixedSize)
@@ -286,10 +288,12 @@ void MassMatrix::backward(double *y, double *x) const {
     else
       withSize(n, [&](auto size) { backwardFixed<size()>(rowOf(block.begin) + block.begin, y + block.begin); });
   }
-  if (x == y)
-    return;
+}
+
+void MassMatrix::addBackward(double *y, double *x) const {
+  backward(y);
   for (int place = 0; place < size_; ++place)
-    x[rows_[place]] = y[place];
+    x[rows_[place]] += y[place];
 }
 
 }  // namespace tf::runtime

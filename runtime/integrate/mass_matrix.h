@@ -32,8 +32,8 @@ public:
   [[nodiscard]] int blockOf(int row) const { return blockOf_[row]; }
   // z = L⁻¹ P b and scaled = Δ⁻¹ z on the places of one block. Returns the first place whose z is not zero, or the block's end.
   int forward(int block, const double *b, double *z, double *scaled) const;
-  // x = Pᵀ L⁻ᵀ y, all blocks; y is overwritten.
-  void backward(double *y, double *x) const;
+  // x += Pᵀ L⁻ᵀ y, all blocks; y is overwritten.
+  void addBackward(double *y, double *x) const;
 
 private:
   struct Pattern;
@@ -42,6 +42,7 @@ private:
   bool factoriseEnvelope(const Block &block, const double *mass);
   void forwardEnvelope(const Block &block, int from, double *x) const;
   void backwardEnvelope(const Block &block, double *x) const;
+  void backward(double *y) const;
   [[nodiscard]] double *rowOf(int place) { return factor_.data() + start_[place]; }
   [[nodiscard]] const double *rowOf(int place) const { return factor_.data() + start_[place]; }
 

@@ -15,9 +15,9 @@ constexpr double independence = 1e-6;
 
 Mobility::Mobility(int velocities, int constraints)
     : nv_(velocities), nh_(constraints), rank_(constraints), mass_(velocities), jacobian_(velocities, constraints),
-      response_(velocities, constraints), inertia_(constraints, constraints), scale_(constraints), factor_(constraints),
-      decomposition_(constraints, constraints), redundant_(static_cast<std::size_t>(constraints)), work_(constraints),
-      solution_(constraints) {
+      response_(velocities, constraints), half_(velocities, constraints), scaledHalf_(velocities, constraints),
+      inertia_(constraints, constraints), scale_(constraints), factor_(constraints), decomposition_(constraints, constraints),
+      redundant_(static_cast<std::size_t>(constraints)), work_(constraints), solution_(constraints), second_(velocities) {
   decomposition_.setThreshold(independence * independence);
 }
 
@@ -28,12 +28,18 @@ bool Mobility::setConstraints(const double *jacobian) {
     const Eigen::Map<const Eigen::VectorXd> row(jacobian + static_cast<std::ptrdiff_t>(k) * nv_, nv_);
     if (!row.allFinite())
       return false;
-    mass_.solve(row.data(), response_.col(k).data());
+    for (int block = 0; block < static_cast<int>(mass_.blocks().size()); ++block)
+      mass_.forward(block, row.data(), half_.col(k).data(), scaledHalf_.col(k).data());
+    response_.col(k).setZero();
+    second_ = scaledHalf_.col(k);
+    mass_.addBackward(second_.data(), response_.col(k).data());
     const double length = std::sqrt(row.dot(response_.col(k)));
     // A row that vanishes, as at a singular position, has no force.
     scale_[k] = length > 0 ? 1 / length : 0;
     jacobian_.col(k) = scale_[k] * row;
     response_.col(k) *= scale_[k];
+    half_.col(k) *= scale_[k];
+    scaledHalf_.col(k) *= scale_[k];
   }
   factorise();
   return true;
@@ -75,6 +81,13 @@ void Mobility::solve(Eigen::VectorXd &residual) const {
 
 // x += M⁻¹ Hᵀ ν for ν in work_.
 void Mobility::react(double *x) const { Eigen::Map<Eigen::VectorXd>(x, nv_).noalias() += response_ * work_; }
+
+void Mobility::constrain(const double *b, double *z, double *scaled) const {
+  work_.noalias() = response_.transpose() * Eigen::Map<const Eigen::VectorXd>(b, nv_);
+  solve(work_);
+  Eigen::Map<Eigen::VectorXd>(z, nv_).noalias() -= half_ * work_;
+  Eigen::Map<Eigen::VectorXd>(scaled, nv_).noalias() -= scaledHalf_ * work_;
+}
 
 void Mobility::apply(const double *b, double *x) const { accelerate(b, nullptr, x); }
 

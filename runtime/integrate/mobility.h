@@ -31,6 +31,10 @@ public:
   void correct(const double *residual, double *x) const;
 
   [[nodiscard]] const MassMatrix &mass() const { return mass_; }
+  [[nodiscard]] bool isConstrained() const { return nh_ > 0; }
+  // Of a row b, z = L⁻¹ P b and scaled = Δ⁻¹ z (mass_matrix.h) on all places without their part along the constraints, so that products of
+  // halves and second halves are those of W.
+  void constrain(const double *b, double *z, double *scaled) const;
   // Number of independent constraint rows.
   [[nodiscard]] int rank() const { return rank_; }
   // Row k follows from the others.
@@ -44,14 +48,16 @@ private:
 
   int nv_, nh_, rank_;
   MassMatrix mass_;
-  Eigen::MatrixXd jacobian_;  // nv × nh: Hᵀ with its columns scaled to unit length in the metric of M⁻¹
-  Eigen::MatrixXd response_;  // nv × nh: M⁻¹ Hᵀ, scaled likewise
-  Eigen::MatrixXd inertia_;   // nh × nh: H M⁻¹ Hᵀ, scaled; unit diagonal
+  Eigen::MatrixXd jacobian_;           // nv × nh: Hᵀ with its columns scaled to unit length in the metric of M⁻¹
+  Eigen::MatrixXd response_;           // nv × nh: M⁻¹ Hᵀ, scaled likewise
+  Eigen::MatrixXd half_, scaledHalf_;  // nv × nh: L⁻¹ P Hᵀ and Δ⁻¹ L⁻¹ P Hᵀ, scaled likewise
+  Eigen::MatrixXd inertia_;            // nh × nh: H M⁻¹ Hᵀ, scaled; unit diagonal
   Eigen::VectorXd scale_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
   std::vector<unsigned char> redundant_;
   mutable Eigen::VectorXd work_, solution_;
+  Eigen::VectorXd second_;
 };
 
 }  // namespace tf::runtime

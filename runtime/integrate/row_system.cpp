@@ -33,7 +33,8 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   tangents_ = tangents;
   nv_ = model.nv;
   jacobian_.assign(static_cast<std::size_t>(count()) * nv_, 0.0);
-  mobility_ = jacobian_;
+  half_ = scaled_ = jacobian_;
+  sum_.resize(nv_);
   begin_.assign(count(), 0);
   end_.assign(count(), nv_);
   contactOf_.clear();
@@ -57,27 +58,67 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   }
 }
 
+void RowSystem::assembleRow(const ModelEvaluation &at, int i) {
+  const int n = normalCount();
+  double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
+  if (i < n || side_[i - n] == 0)
+    std::copy_n(i < n ? at.normal.data() + contacts_[i] * nv_ : at.tangent.data() + tangents_[i - n] * nv_, nv_, row);
+  else
+    for (int k = 0; k < nv_; ++k)
+      row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
+  begin_[i] = 0;
+  end_[i] = nv_;
+  while (begin_[i] < end_[i] && row[begin_[i]] == 0)
+    ++begin_[i];
+  while (end_[i] > begin_[i] && row[end_[i] - 1] == 0)
+    --end_[i];
+  double *half = half_.data() + static_cast<std::ptrdiff_t>(i) * nv_, *scaled = scaled_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
+  const MassMatrix &mass = mobility_->mass();
+  const bool everywhere = mobility_->isConstrained();
+  const int blocks = static_cast<int>(mass.blocks().size());
+  for (int k = begin_[i]; k < end_[i] && !everywhere; ++k) {
+    const int block = mass.blockOf(k);
+    if (row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
+      parts_[block].push_back({i, mass.forward(block, row, half, scaled)});
+  }
+  for (int block = 0; block < blocks && everywhere; ++block) {
+    mass.forward(block, row, half, scaled);
+    parts_[block].push_back({i, mass.blocks()[block].begin});
+  }
+  if (everywhere)
+    mobility_->constrain(row, half, scaled);
+}
+
+void RowSystem::multiply(DenseMatrix &delassus) const {
+  const int m = count();
+  for (int j = 0; j < m; ++j)
+    std::fill_n(delassus.column(j), m, 0.0);
+  for (std::size_t block = 0; block < parts_.size(); ++block) {
+    const int end = mobility_->mass().blocks()[block].end;
+    const std::vector<Part> &parts = parts_[block];
+    for (std::size_t a = 0; a < parts.size(); ++a)
+      for (std::size_t b = 0; b <= a; ++b) {
+        const int first = std::max(parts[a].first, parts[b].first);
+        const std::ptrdiff_t left = static_cast<std::ptrdiff_t>(parts[a].row) * nv_ + first;
+        const std::ptrdiff_t right = static_cast<std::ptrdiff_t>(parts[b].row) * nv_ + first;
+        delassus(parts[a].row, parts[b].row) += dot(half_.data() + left, scaled_.data() + right, end - first);
+      }
+  }
+  for (int j = 0; j < m; ++j)
+    for (int i = j + 1; i < m; ++i)
+      delassus(j, i) = delassus(i, j);
+}
+
 void RowSystem::assemble(const ModelEvaluation &at, DenseMatrix &delassus, ContactRows &rows) {
   const int n = normalCount();
   const int m = count();
-  for (int i = 0; i < m; ++i) {
-    double *row = jacobian_.data() + i * nv_;
-    if (i < n || side_[i - n] == 0)
-      std::copy_n(i < n ? at.normal.data() + contacts_[i] * nv_ : at.tangent.data() + tangents_[i - n] * nv_, nv_, row);
-    else
-      for (int k = 0; k < nv_; ++k)
-        row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
-    begin_[i] = 0;
-    end_[i] = nv_;
-    while (begin_[i] < end_[i] && row[begin_[i]] == 0)
-      ++begin_[i];
-    while (end_[i] > begin_[i] && row[end_[i] - 1] == 0)
-      --end_[i];
-    at.mobility.apply(row, mobility_.data() + i * nv_);
-  }
+  mobility_ = &at.mobility;
+  parts_.resize(mobility_->mass().blocks().size());
+  for (std::vector<Part> &parts : parts_)
+    parts.clear();
   for (int i = 0; i < m; ++i)
-    for (int j = 0; j <= i; ++j)
-      delassus(i, j) = delassus(j, i) = product(i, mobility_.data() + j * nv_);
+    assembleRow(at, i);
+  multiply(delassus);
   for (int j = 0; j < m - n; ++j) {
     if (contactOf_[j] >= 0)
       rows.friction[j] = at.friction[contactOf_[j]];
@@ -116,9 +157,24 @@ void RowSystem::bias(const ModelEvaluation &at, const double *freeAcceleration, 
 }
 
 void RowSystem::accelerate(const double *forces, double *acceleration) const {
-  for (int i = 0; i < count(); ++i)
-    for (int k = 0; k < nv_; ++k)
-      acceleration[k] += mobility_[i * nv_ + k] * forces[i];
+  if (mobility_ == nullptr)
+    return;
+  std::fill(sum_.begin(), sum_.end(), 0.0);
+  bool any = false;
+  for (std::size_t block = 0; block < parts_.size(); ++block) {
+    const int end = mobility_->mass().blocks()[block].end;
+    for (const Part &part : parts_[block]) {
+      const double force = forces[part.row];
+      if (force == 0)
+        continue;
+      any = true;
+      const double *row = scaled_.data() + static_cast<std::ptrdiff_t>(part.row) * nv_;
+      for (int k = part.first; k < end; ++k)
+        sum_[k] += row[k] * force;
+    }
+  }
+  if (any)
+    mobility_->mass().addBackward(sum_.data(), acceleration);
 }
 
 void RowSystem::addForces(const double *forces, double *target) const {

@@ -1,4 +1,6 @@
-// Contact rows in the metric of the mass matrix: J, W Jᵀ, D = J W Jᵀ and φ = J W f + bias (theory.md section 1) for a choice of rows.
+// Contact rows in the metric of the mass matrix: J, D = J W Jᵀ and φ = J W f + bias (theory.md section 1) for a choice of rows. Rows are
+// taken through half of the factorisation only, Z = L⁻¹ P Jᵀ, on the blocks of the mass matrix that they move: D = Zᵀ Δ⁻¹ Z, and W Jᵀ λ is
+// one second half for all rows together.
 #pragma once
 
 #include "runtime/contact/contact_problem.h"
@@ -14,12 +16,12 @@ public:
   // contact among `contacts`, both rows of a slip are there or none). Fills owners and partners of `problem`.
   void choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem);
 
-  // J and W Jᵀ at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds. The
+  // J and Z at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds. The
   // second row of a pair with slipSign ≠ 0 has none: its frame lies along the slip.
   void assemble(const ModelEvaluation &at, DenseMatrix &delassus, ContactRows &rows);
   // bias_i = J_i · acceleration + bias of the row
   void bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const;
-  // acceleration += W Jᵀ forces
+  // acceleration += W Jᵀ forces, with the mobility of the last `assemble` as it is now
   void accelerate(const double *forces, double *acceleration) const;
   // target += Jᵀ forces
   void addForces(const double *forces, double *target) const;
@@ -51,9 +53,22 @@ private:
   std::vector<int> contactOf_;     // of a tangential row: contact or −1
   std::vector<int> side_;          // of a tangential row: 0 alone, 1 first of a pair, 2 second
   std::vector<Frame> frame_;       // of the first row of a pair
+  // A row of Z on one block of the mass matrix.
+  struct Part {
+    int row = 0;
+    int first = 0;  // place before which it is zero
+  };
+
+  void assembleRow(const ModelEvaluation &at, int i);
+  void multiply(DenseMatrix &delassus) const;
+
   int nv_ = 0;
-  std::vector<double> jacobian_, mobility_;  // count × nv, row-major
-  std::vector<int> begin_, end_;             // columns of J's rows outside which all is zero
+  const Mobility *mobility_ = nullptr;
+  std::vector<double> jacobian_;          // count × nv, row-major
+  std::vector<double> half_, scaled_;     // Zᵀ and Zᵀ Δ⁻¹, alike; undefined on blocks that the row does not move
+  std::vector<std::vector<Part>> parts_;  // of blocks, rows ascending
+  std::vector<int> begin_, end_;          // columns of J's rows outside which all is zero
+  mutable std::vector<double> sum_;       // workspaces: nv
 };
 
 // Tangential row of the model that the slip with two components begins with which `row` belongs to; −1 for a slip of one component.
