@@ -346,6 +346,7 @@ private:
       if (gaussUntil<6>(rhs, stop, t_, y_, target, Number(0.01))) {
         const int openNow = openCorners();
         cause_ = distance(y_).second;
+        solution_.eventTimes.push_back(t_);
         if (++solution_.events > kMostEvents || (solution_.events > 3 && t_ - lastEvent_ < Number(1e-6)) || !settle()) {
           return false;
         }

@@ -19,6 +19,7 @@ struct FloorSolution {
   std::vector<State<6>> samples;  // at the grid's times
   Number validUntil = 0;          // beyond it impacts accumulate, or the next mode is not unique
   int events = 0;
+  std::vector<Number> eventTimes;
   int redundantModes = 0, reversals = 0, openings = 0, sticks = 0;  // what the motion went through
 };
 
