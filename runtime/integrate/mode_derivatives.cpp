@@ -50,6 +50,7 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
     differenceJacobian(time, state, matrix);
     return true;
   }
+  complete();
   solveMultipliers();
   at_.dynamicsDerivatives(mask_.data());
   at_.kinematicsDerivatives();
@@ -67,7 +68,7 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
                                   : rows_.tangentValue(at_.tangentByState.data() + k, nx, i - normals);
     for (int p = 0; p < slips_.count() && k < model.nq + model.nv; ++p) {
       const int across = normals + slips_.row(p) + 1;
-      const double change = forces_.forces()[across - 1] * slips_.turning(p, k);
+      const double change = rowForces()[across - 1] * slips_.turning(p, k);
       for (int i = 0; i < model.nv; ++i)
         forceChange[i] += rows_.jacobian(across)[i] * change;
     }
@@ -114,7 +115,7 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
     const double acceleration =
         rows_.product(across, at_.acceleration.data()) + rows_.tangentValue(at_.tangentBias.data(), 1, slips_.row(p) + 1);
     for (int i = 0; i < model.nv; ++i)
-      jerk[i] += rows_.jacobian(across)[i] * forces_.forces()[across - 1] * acceleration / speed;
+      jerk[i] += rows_.jacobian(across)[i] * rowForces()[across - 1] * acceleration / speed;
   }
   std::vector<double> constraintChange(model.nh);
   for (int i = 0; i < model.nh; ++i)

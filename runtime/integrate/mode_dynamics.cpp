@@ -67,11 +67,17 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
 
   starting_ = true;
+  isFolded_ = false;
+  isComplete_ = true;
   const bool good = evaluate(time, state, rate);
   starting_ = false;
-  if (good)
-    buildGuards();
-  return good;
+  if (!good)
+    return false;
+  isFolded_ = rows_.count() > 0 && model.nv <= RowSystem::narrow && sliding_.empty() && !forces_.redundant();
+  if (isFolded_)
+    folded_.choose(rows_, problem_, contactMode_, forces_);
+  buildGuards();
+  return true;
 }
 
 bool ModeDynamics::fail(EvaluationFailure failure) {
@@ -98,7 +104,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
                                                                                : EvaluationFailure::NotFinite);
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());
-    rows_.assemble(at_, problem_.delassus, problem_);
+    rows_.gather(at_, problem_);
     if (frictionIsNegative())
       return fail(EvaluationFailure::NegativeFriction);
   }
@@ -106,15 +112,33 @@ bool ModeDynamics::prepare(double time, const double *state) {
 }
 
 bool ModeDynamics::solveForces() {
-  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());
-  if (rows_.count() == 0)
+  if (rows_.count() == 0) {
+    at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());
     return true;
-  rows_.bias(at_, at_.acceleration.data(), problem_.bias);
-  const bool solved = starting_ ? forces_.start(problem_, contactMode_) : forces_.evaluate(problem_);
-  if (!solved)
+  }
+  if (isFolded_) {
+    isComplete_ = false;
+    return folded_.evaluate(at_, rows_, problem_, at_.acceleration.data()) || fail(EvaluationFailure::SingularContact);
+  }
+  if (!solveRows(at_.acceleration.data()))
     return fail(EvaluationFailure::SingularContact);
   rows_.accelerate(forces_.forces().data(), at_.acceleration.data());
   return true;
+}
+
+// All rows with D and φ, and their forces; `freeAcceleration` [nv] is the one without them.
+bool ModeDynamics::solveRows(double *freeAcceleration) {
+  rows_.respond(at_, problem_.delassus);
+  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration);
+  rows_.bias(at_, freeAcceleration, problem_.bias);
+  isComplete_ = true;
+  return starting_ ? forces_.start(problem_, contactMode_) : forces_.evaluate(problem_);
+}
+
+// What folded forces leave out at the point of the last evaluation.
+void ModeDynamics::complete() {
+  if (!isComplete_)
+    solveRows(change_.data());
 }
 
 void ModeDynamics::conditionRates(double *rates) {
@@ -205,7 +229,7 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
     return false;
   const int normals = rows_.normalCount();
   if (rows_.count() > 0) {
-    const auto forces = forces_.forces();
+    const auto forces = rowForces();
     for (int i = 0; i < normals; ++i)
       at_.normalForce[rows_.contacts()[i]] = closedForce_[i] = std::max(forces[i], 0.0);
     rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
@@ -226,18 +250,19 @@ void ModeDynamics::solveMultipliers() {
     return;
   std::copy(at_.force.begin(), at_.force.end(), change_.begin());
   if (rows_.count() > 0)
-    rows_.addForces(forces_.forces().data(), change_.data());
+    rows_.addForces(rowForces().data(), change_.data());
   at_.mobility.multipliers(change_.data(), at_.constraintBias.data(), at_.multiplier.data());
 }
 
 double ModeDynamics::normalForce(int contact) const {
   for (int i = 0; i < rows_.normalCount(); ++i)
     if (rows_.contacts()[i] == contact)
-      return forces_.forces()[i];
+      return rowForces()[i];
   return 0;
 }
 
-int ModeDynamics::jammedContact() const {
+int ModeDynamics::jammedContact() {
+  complete();
   constexpr double jammed = 1e-6;
   const int normals = rows_.normalCount();
   for (int j = 0; j < problem_.tangentCount; ++j) {
@@ -266,7 +291,7 @@ double ModeDynamics::reactionPower() {
   const double *velocities = at_.velocities();
   double power = 0;
   for (int i = 0; i < rows_.count(); ++i)
-    power += forces_.forces()[i] * rows_.product(i, velocities);
+    power += rowForces()[i] * rows_.product(i, velocities);
   solveMultipliers();
   for (int row = 0; row < model.nh; ++row)
     for (int k = 0; k < model.nv; ++k)

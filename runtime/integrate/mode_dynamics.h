@@ -6,6 +6,7 @@
 #pragma once
 
 #include "runtime/contact/mode_forces.h"
+#include "runtime/integrate/folded_forces.h"
 #include "runtime/integrate/mode.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/projection.h"
@@ -16,6 +17,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace tf::runtime {
@@ -43,6 +45,8 @@ enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, Sin
 class ModeDynamics {
 public:
   explicit ModeDynamics(ModelEvaluation &evaluation);
+  ModeDynamics(const ModeDynamics &) = delete;
+  ModeDynamics &operator=(const ModeDynamics &) = delete;
 
   [[nodiscard]] int size() const { return at_.stateSize(); }
   [[nodiscard]] ModelEvaluation &model() { return at_; }
@@ -69,7 +73,7 @@ public:
 
   // The closed contact whose slip has taken D_s = D_nn − μ s D_nt to zero (relative to D_nn) at the last evaluation's point, so that its
   // force grows beyond all bounds; −1: none.
-  [[nodiscard]] int jammedContact() const;
+  [[nodiscard]] int jammedContact();
 
   // At the last evaluation's point: power of friction forces on the slips (≤ 0), and of all contact, friction and constraint forces on the
   // motion; they differ where boundaries move.
@@ -92,7 +96,10 @@ public:
 
   // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). Returns the size of the
   // correction relative to `scale` [n].
-  double project(double *state, const double *scale) { return projection_.project(state, scale, nothingStops_.data()); }
+  double project(double *state, const double *scale) {
+    complete();
+    return projection_.project(state, scale, nothingStops_.data());
+  }
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
   // `slow`: slips of one body stop together.
   double projectStop(double *state, const double *scale, int stopped, double slow);
@@ -115,6 +122,9 @@ private:
   bool prepare(double time, const double *state);
   [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
+  bool solveRows(double *freeAcceleration);
+  void complete();
+  [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
   bool solveSliding();
   // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D.
   void response(const double *forceChange, const double *constraintChange, const double *biasChange, const double *limitChange,
@@ -132,9 +142,12 @@ private:
   ContactProblem problem_;
   ContactMode contactMode_;
   ModeForces forces_;
+  FoldedForces folded_;
+  bool isFolded_ = false;    // folded_ gives the forces
+  bool isComplete_ = false;  // rows_, problem_ and forces_ are those of the last evaluation too
   SlipDirections slips_;
   Projection projection_;
-  std::vector<std::uint8_t> isPaired_;  // nt
+  std::vector<std::uint8_t> isPaired_;              // nt
   std::vector<std::uint8_t> nothingStops_, stops_;  // tangential rows
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;

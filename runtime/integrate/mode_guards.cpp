@@ -16,7 +16,7 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Gap, i, 1, model.contacts[i].nominal});
   double largest = 0;
   if (rows_.count() > 0) {
-    for (double force : forces_.forces())
+    for (double force : rowForces())
       largest = std::max(largest, std::abs(force));
     for (std::size_t k = 0; k < forces_.margins().size(); ++k)
       guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
@@ -41,7 +41,7 @@ double ModeDynamics::readGuard(const Guard &guard) const {
   case GuardKind::Gap:
     return at_.gap[guard.index];
   case GuardKind::Force:
-    return forces_.marginValues()[guard.index];
+    return isFolded_ ? folded_.marginValues()[guard.index] : forces_.marginValues()[guard.index];
   case GuardKind::Slip:
     return guard.sign * at_.slip[guard.index];
   case GuardKind::SlipAlong:
@@ -88,6 +88,7 @@ void ModeDynamics::guardRates(double *rates) const {
 }
 
 double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
+  complete();
   at_.setPoint(at_.time(), state);
   at_.switching(ModelEvaluation::Slips);
   stops_ = nothingStops_;
@@ -99,6 +100,7 @@ double ModeDynamics::projectStop(double *state, const double *scale, int stopped
 
 bool ModeDynamics::rechoose(int guard) {
   assert(guards_[guard].kind == GuardKind::Force);
+  complete();
   if (forces_.cross(guards_[guard].index) != MarginOutcome::Rechosen)
     return false;
   buildGuards();

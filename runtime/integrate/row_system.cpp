@@ -1,7 +1,5 @@
 #include "runtime/integrate/row_system.h"
 
-#include "runtime/integrate/dot.h"
-
 #include <algorithm>
 #include <cassert>
 
@@ -58,20 +56,41 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   }
 }
 
-void RowSystem::assembleRow(const ModelEvaluation &at, int i) {
+// Rows are read as a whole where that costs no more than looking for their zeros.
+void RowSystem::gather(const ModelEvaluation &at, ContactRows &rows) {
   const int n = normalCount();
-  double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
-  if (i < n || side_[i - n] == 0)
-    std::copy_n(i < n ? at.normal.data() + contacts_[i] * nv_ : at.tangent.data() + tangents_[i - n] * nv_, nv_, row);
-  else
-    for (int k = 0; k < nv_; ++k)
-      row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
-  begin_[i] = 0;
-  end_[i] = nv_;
-  while (begin_[i] < end_[i] && row[begin_[i]] == 0)
-    ++begin_[i];
-  while (end_[i] > begin_[i] && row[end_[i] - 1] == 0)
-    --end_[i];
+  const int m = count();
+  for (int i = 0; i < m; ++i) {
+    double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
+    if (i < n || side_[i - n] == 0) {
+      const double *source = i < n ? at.normal.data() + static_cast<std::ptrdiff_t>(contacts_[i]) * nv_
+                                   : at.tangent.data() + static_cast<std::ptrdiff_t>(tangents_[i - n]) * nv_;
+      for (int k = 0; k < nv_; ++k)
+        row[k] = source[k];
+    } else {
+      for (int k = 0; k < nv_; ++k)
+        row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
+    }
+    begin_[i] = 0;
+    end_[i] = nv_;
+    while (nv_ > narrow && begin_[i] < end_[i] && row[begin_[i]] == 0)
+      ++begin_[i];
+    while (nv_ > narrow && end_[i] > begin_[i] && row[end_[i] - 1] == 0)
+      --end_[i];
+  }
+  for (int j = 0; j < m - n; ++j) {
+    if (contactOf_[j] >= 0)
+      rows.friction[j] = at.friction[contactOf_[j]];
+    else
+      rows.bound[j] = at.bound[tangents_[j]];
+    if (side_[j] == 2 && rows.slipSign[j] != 0)
+      rows.friction[j] = rows.bound[j] = 0;
+  }
+}
+
+// Z of row i on the blocks that it moves.
+void RowSystem::halve(int i) {
+  const double *row = jacobian(i);
   double *half = half_.data() + static_cast<std::ptrdiff_t>(i) * nv_, *scaled = scaled_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
   const MassMatrix &mass = mobility_->mass();
   const bool everywhere = mobility_->isConstrained();
@@ -109,24 +128,14 @@ void RowSystem::multiply(DenseMatrix &delassus) const {
       delassus(j, i) = delassus(i, j);
 }
 
-void RowSystem::assemble(const ModelEvaluation &at, DenseMatrix &delassus, ContactRows &rows) {
-  const int n = normalCount();
-  const int m = count();
+void RowSystem::respond(const ModelEvaluation &at, DenseMatrix &delassus) {
   mobility_ = &at.mobility;
   parts_.resize(mobility_->mass().blocks().size());
   for (std::vector<Part> &parts : parts_)
     parts.clear();
-  for (int i = 0; i < m; ++i)
-    assembleRow(at, i);
+  for (int i = 0; i < count(); ++i)
+    halve(i);
   multiply(delassus);
-  for (int j = 0; j < m - n; ++j) {
-    if (contactOf_[j] >= 0)
-      rows.friction[j] = at.friction[contactOf_[j]];
-    else
-      rows.bound[j] = at.bound[tangents_[j]];
-    if (side_[j] == 2 && rows.slipSign[j] != 0)
-      rows.friction[j] = rows.bound[j] = 0;
-  }
 }
 
 double RowSystem::tangentValue(const double *modelRows, int stride, int j) const {
@@ -151,9 +160,8 @@ void RowSystem::spreadTangentForces(const double *forces, double *modelForces) c
 }
 
 void RowSystem::bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const {
-  const int n = normalCount();
   for (int i = 0; i < count(); ++i)
-    bias[i] = product(i, freeAcceleration) + (i < n ? at.normalBias[contacts_[i]] : tangentValue(at.tangentBias.data(), 1, i - n));
+    bias[i] = product(i, freeAcceleration) + modelBias(at, i);
 }
 
 void RowSystem::accelerate(const double *forces, double *acceleration) const {
@@ -181,10 +189,6 @@ void RowSystem::addForces(const double *forces, double *target) const {
   for (int i = 0; i < count(); ++i)
     for (int k = begin_[i]; k < end_[i]; ++k)
       target[k] += jacobian_[i * nv_ + k] * forces[i];
-}
-
-double RowSystem::product(int row, const double *x) const {
-  return dot(jacobian(row) + begin_[row], x + begin_[row], end_[row] - begin_[row]);
 }
 
 }  // namespace tf::runtime

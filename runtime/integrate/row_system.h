@@ -4,6 +4,7 @@
 #pragma once
 
 #include "runtime/contact/contact_problem.h"
+#include "runtime/integrate/dot.h"
 #include "runtime/integrate/model_evaluation.h"
 
 #include <vector>
@@ -12,21 +13,36 @@ namespace tf::runtime {
 
 class RowSystem {
 public:
+  // Up to so many velocities, rows are read as a whole: that costs no more than looking for their zeros.
+  static constexpr int narrow = 8;
+
   // Normal rows of `contacts`, then the tangential rows `tangents` (increasing numbers of the model's table; a row of a contact needs its
   // contact among `contacts`, both rows of a slip are there or none). Fills owners and partners of `problem`.
   void choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem);
 
-  // J and Z at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds. The
-  // second row of a pair with slipSign ≠ 0 has none: its frame lies along the slip.
-  void assemble(const ModelEvaluation &at, DenseMatrix &delassus, ContactRows &rows);
+  // J and Z at the evaluation's point (dynamics and contactTerms have been called there), D and the rows' friction and bounds.
+  void assemble(const ModelEvaluation &at, DenseMatrix &delassus, ContactRows &rows) {
+    gather(at, rows);
+    respond(at, delassus);
+  }
+  // J, friction and bounds alone. The second row of a pair with slipSign ≠ 0 has none: its frame lies along the slip.
+  void gather(const ModelEvaluation &at, ContactRows &rows);
+  // Z and D, of the rows gathered at the same point.
+  void respond(const ModelEvaluation &at, DenseMatrix &delassus);
   // bias_i = J_i · acceleration + bias of the row
   void bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const;
-  // acceleration += W Jᵀ forces, with the mobility of the last `assemble` as it is now
+  // acceleration += W Jᵀ forces, with the mobility of the last `respond` as it is now
   void accelerate(const double *forces, double *acceleration) const;
   // target += Jᵀ forces
   void addForces(const double *forces, double *target) const;
   // J_i · x
-  [[nodiscard]] double product(int row, const double *x) const;
+  [[nodiscard]] double product(int row, const double *x) const {
+    return dot(jacobian(row) + begin_[row], x + begin_[row], end_[row] - begin_[row]);
+  }
+  // The velocity terms of the row's acceleration (normalBias, tangentBias) at the evaluation's point.
+  [[nodiscard]] double modelBias(const ModelEvaluation &at, int row) const {
+    return row < normalCount() ? at.normalBias[contacts_[row]] : tangentValue(at.tangentBias.data(), 1, row - normalCount());
+  }
 
   [[nodiscard]] const double *jacobian(int row) const { return jacobian_.data() + static_cast<std::ptrdiff_t>(row) * nv_; }
 
@@ -38,6 +54,8 @@ public:
   // Forces of the tangential rows here into those of the model [nt]; other rows keep theirs.
   void spreadTangentForces(const double *forces, double *modelForces) const;
 
+  // Number of velocities.
+  [[nodiscard]] int width() const { return nv_; }
   [[nodiscard]] int count() const { return static_cast<int>(contacts_.size() + tangents_.size()); }
   [[nodiscard]] int normalCount() const { return static_cast<int>(contacts_.size()); }
   [[nodiscard]] const std::vector<int> &contacts() const { return contacts_; }
@@ -59,7 +77,7 @@ private:
     int first = 0;  // place before which it is zero
   };
 
-  void assembleRow(const ModelEvaluation &at, int i);
+  void halve(int i);
   void multiply(DenseMatrix &delassus) const;
 
   int nv_ = 0;

@@ -150,17 +150,24 @@ void EventDetection::watchStart() {
 // A zero of a gap, which has a rate, by Newton's method in the bracket; `x` is the first guess.
 void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent &event) {
   const int contact = dynamics_.guards()[guard].index;
-  double a = event.low, b = event.high;
+  const double accuracy = 1e-9 * (event.high - event.low);
+  double a = event.low, b = event.high, previous = 0;
   for (int k = 0; k < 60; ++k) {
     const double value = guardInside(guard, x) - zero;
     event.slope = dynamics_.model().gapRate[contact];
     (value >= 0 ? a : b) = x;
     event.time = x;
     double next = x - value / event.slope;
-    if (!(next > a && next < b))
+    const bool isNewton = event.slope < 0 && next > a && next < b;
+    if (!isNewton)
       next = 0.5 * (a + b);
-    if (std::abs(next - x) <= 1e-9 * (event.high - event.low))
+    const double step = std::abs(next - x);
+    // Quadratic convergence: the step after this one would be step (step/previous)².
+    if (step <= accuracy || (isNewton && step < 0.1 * previous && step * step * step <= accuracy * previous * previous)) {
+      event.time = next;
       return;
+    }
+    previous = isNewton ? step : 0;
     x = next;
   }
 }
@@ -206,9 +213,12 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   const double secant = (low.time * atHigh - high.time * atLow) / (atHigh - atLow);
-  if (dynamics_.guards()[guard].kind == GuardKind::Gap && armed_[guard] != Arming::Not && atLow > 0 && high.rate[guard] < 0)
-    newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], secant), event);
-  else
+  // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near.
+  const bool falls = dynamics_.guards()[guard].kind == GuardKind::Gap && armed_[guard] != Arming::Not && high.rate[guard] < 0;
+  const bool leaves = atLow <= 0 && low.rate[guard] > 0;
+  if (falls && (atLow > 0 || leaves))
+    newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], leaves ? low.time : secant), event);
+  if (!falls || (atLow <= 0 && !(event.slope < 0 && event.time - low.time > 1e-3 * (high.time - low.time))))
     illinoisZero(guard, zero, atLow, atHigh, event);
   if (first.guard < 0 || event.time < first.time)
     first = event;
@@ -286,6 +296,19 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
   }
 }
 
+// All guards are gaps that the step cannot have closed, by their rates at both ends.
+bool EventDetection::allFar() const {
+  const double h = end_.time - begin_.time;
+  for (std::size_t k = 0; k < armed_.size(); ++k) {
+    if (dynamics_.guards()[k].kind != GuardKind::Gap || armed_[k] == Arming::Not)
+      return false;
+    const double a = begin_.rate[k], b = end_.rate[k];
+    if (!(std::min(begin_.value[k], end_.value[k]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)})))
+      return false;
+  }
+  return true;
+}
+
 DetectedEvent EventDetection::detect() {
   DetectedEvent first;
   if (dynamics_.guards().empty())
@@ -293,6 +316,8 @@ DetectedEvent EventDetection::detect() {
   begin_.time = integrator_->beginTime();
   // The dynamics' last evaluation is at the end of the step.
   readGuards(integrator_->endTime(), end_);
+  if (allFar())
+    return first;
   Sample &middle = middle_;
   if (!sampleInside(0.5 * (begin_.time + end_.time), middle))
     return first;

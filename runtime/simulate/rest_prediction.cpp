@@ -13,6 +13,8 @@ namespace {
 // Impacts are followed one by one until they are this much slower than the fastest one, however well their end is known.
 constexpr double slow = 1e-2;
 constexpr int firstImpacts = 3;
+// Predictions from so much earlier would not be among the latest when the impacts are slow.
+constexpr double early = 0.1;
 constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left.
 constexpr double nextShare = 0.5, leastChange = 0.75;
@@ -67,14 +69,16 @@ void RestPrediction::read(const double *numbers) {
 // False where it is too early for a prediction.
 bool RestPrediction::recordImpact(double time, const double *before) {
   bouncesLow_ = false;
+  bool slowed = false;
   for (const int i : selection_.touching(time, before, true)) {
     last_[i] = -at_.gapRate[i];
     fastest_[i] = std::max(fastest_[i], last_[i]);
+    slowed = slowed || last_[i] <= early * fastest_[i];
     bouncesLow_ = bouncesLow_ || last_[i] <= slow * fastest_[i];
   }
   const double interval = time - lastImpact_;
   lastImpact_ = time;
-  return ++impacts_ >= firstImpacts && time >= nextAttempt_ && std::isfinite(interval);
+  return ++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval);
 }
 
 // All contacts and their tangential rows, with gaps and velocities at the state. False where friction has two directions.

@@ -1,0 +1,45 @@
+// The contact forces of a mode with independent active rows, straight from the rows: the friction of slipping contacts is folded into the
+// columns of their normal forces (λ_t = −s μ λ_n), so that W is applied once for each unknown force and D is needed between active rows
+// only. The same equations as ModeForces, which also serves redundant rows, derivatives, and systems that are not small, where RowSystem
+// makes use of the zeros.
+#pragma once
+
+#include "runtime/contact/lu_factor.h"
+#include "runtime/contact/mode_forces.h"
+#include "runtime/integrate/row_system.h"
+
+#include <span>
+#include <vector>
+
+namespace tf::runtime {
+
+class FoldedForces {
+public:
+  // Begins a mode in which all normal rows of `rows` are closed, with the forces and margins of `start`.
+  void choose(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode, const ModeForces &start);
+
+  // Forces and accelerations [nv] at the evaluation's point; `rows` have been gathered there. Allocates nothing. False: singular.
+  bool evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, double *acceleration);
+
+  [[nodiscard]] std::span<const double> forces() const { return forces_; }        // n + m
+  [[nodiscard]] std::span<const double> marginValues() const { return values_; }  // slack of each margin
+
+private:
+  // A tangential row that slips: its number, the unknown of its contact (−1: a friction element), and the sign of its slip.
+  struct Slipping {
+    int row = 0, unknown = -1, sign = 1;
+  };
+
+  void foldColumns(const RowSystem &rows, const ContactRows &problem);
+  void freeForce(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
+  void expand(const ContactRows &problem);
+
+  std::vector<int> active_;  // rows: all normal ones, then the tangential ones that stick
+  std::vector<Slipping> slipping_;
+  std::vector<ModeMargin> margins_;
+  LuFactor factor_;
+  std::vector<double> columns_, responses_;  // folded columns of Jᵀ and W times them, nv for each active row
+  std::vector<double> force_, unknowns_, forces_, values_;
+};
+
+}  // namespace tf::runtime
