@@ -65,7 +65,8 @@ struct ContactSolver::Workspace {
   const PlanarFrictionMode *translate(const ContactMode *mode);
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
-  void settleForces(const ContactProblem &problem);
+  bool settleForces(const ContactProblem &problem);
+  bool openPulling(const ContactProblem &problem);
   void listDegenerate(const ContactProblem &problem, const ContactMode *preferred);
   void markDegenerate(const ContactProblem &problem, const ContactMode *preferred, const ForceLimit &limit);
   void count(const PlanarFrictionSolution &found);
@@ -175,16 +176,16 @@ void ContactSolver::Workspace::turnForces(double sense) {
   }
 }
 
-// Redundant contacts share their load so that ‖λ‖ is least; the others have one force only.
-void ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
+// Redundant contacts share their load so that ‖λ‖ is least; the others have one force only. False: the mode has no admissible forces.
+bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   set.setMode(problem, solution.mode);
   solution.redundant = set.singular(problem);
   solution.saturated.clear();
   if (!solution.redundant)
-    return;
+    return true;
   ++statistics.redundant;
   if (set.solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved)
-    return;
+    return false;
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
   const std::vector<double> forces = solution.forces, accelerations = solution.accelerations;
@@ -201,12 +202,29 @@ void ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   if (violation > std::max(10 * settings.degeneracy, solution.violation)) {
     solution.forces = forces;
     solution.accelerations = accelerations;
-    return;
+    return true;
   }
   solution.violation = violation;
   for (std::size_t k = 0; k < set.limits().size(); ++k)
     if (set.saturated(static_cast<int>(k)) >= 0)
       solution.saturated.push_back(set.limits()[k]);
+  return true;
+}
+
+// A mode without admissible forces, although its accelerations are those of the solution: to hold contacts whose force and acceleration
+// are about zero takes pulling forces of some such size. These contacts open. False: there are none.
+bool ContactSolver::Workspace::openPulling(const ContactProblem &problem) {
+  constexpr double largest = 1e-6;
+  double tolerance = settings.degeneracy;
+  while (tolerance < largest && set.solveLeastNorm(problem, tolerance) != LeastNorm::Status::Solved)
+    tolerance *= 10;
+  bool opened = false;
+  for (std::size_t i = 0; i < solution.mode.closed.size(); ++i)
+    if (solution.mode.closed[i] != 0 && set.forces()[i] * metric[i] < -zero) {
+      solution.mode.closed[i] = 0;
+      opened = true;
+    }
+  return opened;
 }
 
 void ContactSolver::Workspace::markDegenerate(const ContactProblem &problem, const ContactMode *preferred, const ForceLimit &limit) {
@@ -271,7 +289,9 @@ void ContactSolver::Workspace::begin(const std::vector<double> &force, const std
 }
 
 void ContactSolver::Workspace::finish(const ContactProblem &problem, const ContactMode *preferred) {
-  settleForces(problem);
+  bool mayChange = true;
+  while (mayChange && !settleForces(problem))
+    mayChange = openPulling(problem);
   listDegenerate(problem, preferred);
 }
 

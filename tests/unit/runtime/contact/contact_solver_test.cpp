@@ -1,5 +1,6 @@
 #include "runtime/contact/contact_solver.h"
 
+#include "runtime/contact/mode_forces.h"
 #include "tests/unit/runtime/contact/mechanisms.h"
 
 #include <gtest/gtest.h>
@@ -225,6 +226,27 @@ TEST(ContactSolver, ChainAtRestOnFourNodes) {
 }
 
 // Units: the decision and the forces' physical values do not depend on them.
+// A body that is pressed on redundant contacts, and another one in free fall between two contacts that hardly open: to hold these too would
+// take pulling forces, larger than what passes for zero.
+TEST(ContactSolver, IdleContactsDoNotPull) {
+  ContactProblem problem;
+  problem.resize(4, 0);
+  problem.delassus(0, 0) = problem.delassus(0, 1) = problem.delassus(1, 0) = problem.delassus(1, 1) = 1;
+  problem.delassus(2, 2) = problem.delassus(3, 3) = 1;
+  problem.delassus(2, 3) = problem.delassus(3, 2) = 0.999;
+  problem.bias = {-10, -10, 9e-9, 1e-9};
+  ContactSolver solver;
+  const ContactSolution &solution = solver.solve(problem);
+  EXPECT_EQ(solution.status, ContactStatus::Solved);
+  EXPECT_NEAR(solution.forces[0], 5, 1e-12);
+  EXPECT_NEAR(solution.forces[1], 5, 1e-12);
+  EXPECT_NEAR(solution.forces[2], 0, 1e-8);
+  EXPECT_NEAR(solution.forces[3], 0, 1e-8);
+  EXPECT_EQ(solution.mode.closed[0] + solution.mode.closed[1], 2);
+  ModeForces forces;
+  EXPECT_TRUE(forces.start(problem, solution.mode));
+}
+
 TEST(ContactSolver, DoesNotDependOnUnits) {
   const auto box = body(1, 0.1, 0.3, {{-0.5, -0.3}, {0.5, -0.3}}, 0.5);
   ContactSolver solver;
