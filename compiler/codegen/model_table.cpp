@@ -88,7 +88,8 @@ llvm::Constant *contacts(const HybridSystem &system, TableBuilder &build) {
   Constants rows;
   for (const Contact &contact : system.contacts)
     rows.push_back(build.structure({build.text(contact.name), build.integer(contact.tangentFirst), build.integer(contact.tangentCount),
-                                    build.integer(contact.law), build.number(contact.nominal), build.location(contact.span)}));
+                                    build.integer(contact.frictionForm), build.integer(contact.law), build.number(contact.nominal),
+                                    build.location(contact.span)}));
   return build.table(rows, "contacts");
 }
 
@@ -96,7 +97,7 @@ llvm::Constant *frictions(const HybridSystem &system, TableBuilder &build) {
   Constants rows;
   for (const FrictionElement &friction : system.frictions)
     rows.push_back(build.structure({build.text(friction.name), build.integer(friction.tangentFirst), build.integer(friction.tangentCount),
-                                    build.location(friction.span)}));
+                                    build.integer(friction.frictionForm), build.location(friction.span)}));
   return build.table(rows, "frictions");
 }
 

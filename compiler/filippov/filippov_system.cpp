@@ -1,5 +1,7 @@
 #include "compiler/filippov/filippov_system.h"
 
+#include "runtime/abi/tf_model.h"
+
 #include <fmt/format.h>
 
 #include <span>
@@ -25,7 +27,7 @@ public:
       addFriction(static_cast<int>(k));
     for (std::size_t k = 0; k < system_.switches.size(); ++k) {
       const SwitchingFunction &switching = system_.switches[k];
-      form_.steps.push_back({StepRole::Switch, static_cast<int>(k), switching.condition,
+      form_.steps.push_back({StepRole::Switch, static_cast<int>(k), 0, switching.condition,
                              graph_.symbol(SymbolKind::StepVariable, static_cast<int>(k)), switching.text});
     }
     form_.terms[0].coefficient = timeRuns;
@@ -34,13 +36,13 @@ public:
 
 private:
   void addOde() {
-    form_.fields.push_back({"f_ODE", -1, 0, true, system_.force, system_.stateDerivatives});
+    form_.fields.push_back({"f_ODE", -1, 0, 0, true, system_.force, system_.stateDerivatives});
     form_.terms.push_back({one_, 0});
   }
 
-  NodeId addStep(StepRole role, int owner, NodeId condition, std::string meaning) {
+  NodeId addStep(StepRole role, int owner, NodeId condition, std::string meaning, int direction = 0) {
     const NodeId variable = graph_.symbol(SymbolKind::StepVariable, static_cast<int>(system_.switches.size()) + count_++);
-    form_.steps.push_back({role, owner, condition, variable, std::move(meaning)});
+    form_.steps.push_back({role, owner, direction, condition, variable, std::move(meaning)});
     return variable;
   }
 
@@ -58,8 +60,8 @@ private:
   }
 
   // c3: v_t, or ‖v_t‖ − ε_t.
-  NodeId slipCondition(std::span<const TangentRow> tangents) {
-    return tangents.size() == 1 ? tangents[0].slip : graph_.sub(slipSpeed(tangents), graph_.constant(kSlipRadius));
+  NodeId slipCondition(std::span<const TangentRow> tangents, NodeId radius) {
+    return tangents.size() == 1 ? tangents[0].slip : graph_.sub(slipSpeed(tangents), radius);
   }
 
   // Tangential force per row with the given magnitude: against the slip outside (c3 > 0), and inside the small disk of two-component slips
@@ -79,15 +81,31 @@ private:
       force[k] = graph_.add(force[k], graph_.mul(row[k], factor));
   }
 
-  void addAuxiliary(int index, double side, NodeId coefficient) {
-    const Contact &contact = system_.contacts[static_cast<std::size_t>(index)];
-    const std::string of = system_.contacts.size() > 1 ? fmt::format("({})", contact.name) : "";
+  [[nodiscard]] std::string nameSuffix(const Contact &contact) const {
+    return system_.contacts.size() > 1 ? fmt::format("({})", contact.name) : "";
+  }
+
+  Field auxiliaryField(int contact, std::string name, double side, int direction = 0) {
     Field field;
-    field.name = side == 0 ? "f_aux,n" + of : fmt::format("f_aux,n{} {} f_aux,t{}", of, side < 0 ? "-" : "+", of);
-    field.contact = index;
+    field.name = std::move(name);
+    field.contact = contact;
     field.side = side;
+    field.direction = direction;
     field.force.assign(static_cast<std::size_t>(system_.nv), graph_.constant(0));
     field.stateDerivatives.assign(static_cast<std::size_t>(system_.nz), graph_.constant(0));
+    return field;
+  }
+
+  void add(Field field, NodeId coefficient) {
+    form_.terms.push_back({coefficient, static_cast<int>(form_.fields.size())});
+    form_.fields.push_back(std::move(field));
+  }
+
+  void addAuxiliary(int index, double side, NodeId coefficient) {
+    const Contact &contact = system_.contacts[static_cast<std::size_t>(index)];
+    const std::string of = nameSuffix(contact);
+    Field field =
+        auxiliaryField(index, side == 0 ? "f_aux,n" + of : fmt::format("f_aux,n{} {} f_aux,t{}", of, side < 0 ? "-" : "+", of), side);
     addAlong(field.force, contact.normal, contact.rate);
     if (side != 0) {
       const auto tangents = rows(contact.tangentFirst, contact.tangentCount);
@@ -95,8 +113,29 @@ private:
       for (std::size_t k = 0; k < tangents.size(); ++k)
         addAlong(field.force, tangents[k].jacobian, force[k]);
     }
-    form_.terms.push_back({coefficient, static_cast<int>(form_.fields.size())});
-    form_.fields.push_back(std::move(field));
+    add(std::move(field), coefficient);
+  }
+
+  // One direction of a polyhedral slip, on one side of it.
+  void addDirection(int index, int direction, double side, NodeId coefficient) {
+    const Contact &contact = system_.contacts[static_cast<std::size_t>(index)];
+    Field field =
+        auxiliaryField(index, fmt::format("{}f_aux,t[{}]{}", side < 0 ? "-" : "", direction + 1, nameSuffix(contact)), side, direction);
+    const NodeId limit = graph_.mul(contact.friction, contact.rate);
+    addAlong(field.force, rows(contact.tangentFirst, contact.tangentCount)[static_cast<std::size_t>(direction)].jacobian,
+             side < 0 ? graph_.neg(limit) : limit);
+    add(std::move(field), coefficient);
+  }
+
+  void addPolyhedralSlip(int index, NodeId push) {
+    const Contact &contact = system_.contacts[static_cast<std::size_t>(index)];
+    addAuxiliary(index, 0, push);
+    for (int k = 0; k < contact.tangentCount; ++k) {
+      const NodeId condition = rows(contact.tangentFirst, contact.tangentCount)[static_cast<std::size_t>(k)].slip;
+      const NodeId slip = addStep(StepRole::Slip, index, condition, fmt::format("slip of {} in direction {}", contact.name, k + 1), k);
+      addDirection(index, k, -1, graph_.mul(push, slip));
+      addDirection(index, k, 1, graph_.mul(push, opposite(slip)));
+    }
   }
 
   // Returns 1 − push = α1 + (1 − α1) α2.
@@ -110,8 +149,10 @@ private:
     form_.push.push_back(push);
     if (contact.tangentCount == 0) {
       addAuxiliary(index, 0, push);
+    } else if (contact.frictionForm == TF_FRICTION_POLYHEDRAL) {
+      addPolyhedralSlip(index, push);
     } else {
-      const NodeId condition = slipCondition(rows(contact.tangentFirst, contact.tangentCount));
+      const NodeId condition = slipCondition(rows(contact.tangentFirst, contact.tangentCount), contact.slipRadius);
       const NodeId slip = addStep(StepRole::Slip, index, condition, "slip of " + contact.name);
       const NodeId notSlip = opposite(slip);
       addAuxiliary(index, -1, graph_.mul(push, slip));
@@ -121,15 +162,23 @@ private:
     return graph_.add(gap, opening);
   }
 
-  // A friction element acts in f_ODE: α (force against the slip) + (1 − α) (the other side), section 5.
+  // A friction element acts in f_ODE: α (force against the slip) + (1 − α) (the other side), section 5; each direction of a polyhedral
+  // form.
   void addFriction(int index) {
     const FrictionElement &friction = system_.frictions[static_cast<std::size_t>(index)];
     const auto tangents = rows(friction.tangentFirst, friction.tangentCount);
-    const NodeId alpha = addStep(StepRole::Friction, index, slipCondition(tangents), "slip of " + friction.name);
-    const std::vector<NodeId> outside = tangentForce(tangents, friction.bound, true);
-    const std::vector<NodeId> inside = tangentForce(tangents, friction.bound, false);
-    for (std::size_t k = 0; k < tangents.size(); ++k)
-      addAlong(form_.fields[0].force, tangents[k].jacobian, graph_.select(alpha, outside[k], inside[k]));
+    const bool isPolyhedral = friction.frictionForm == TF_FRICTION_POLYHEDRAL;
+    const std::size_t slips = isPolyhedral ? tangents.size() : 1, perSlip = tangents.size() / slips;
+    for (std::size_t s = 0; s < slips; ++s) {
+      const auto own = tangents.subspan(s * perSlip, perSlip);
+      const std::string direction = isPolyhedral ? fmt::format(" in direction {}", s + 1) : "";
+      const NodeId alpha = addStep(StepRole::Friction, index, slipCondition(own, friction.slipRadius),
+                                   "slip of " + friction.name + direction, static_cast<int>(s));
+      const std::vector<NodeId> outside = tangentForce(own, friction.bound, true);
+      const std::vector<NodeId> inside = tangentForce(own, friction.bound, false);
+      for (std::size_t k = 0; k < own.size(); ++k)
+        addAlong(form_.fields[0].force, own[k].jacobian, graph_.select(alpha, outside[k], inside[k]));
+    }
   }
 
   HybridSystem &system_;
@@ -140,6 +189,10 @@ private:
 };
 
 }  // namespace
+
+bool isDirection(const Field &field, const HybridSystem &system) {
+  return field.side != 0 && system.contacts[static_cast<std::size_t>(field.contact)].frictionForm == TF_FRICTION_POLYHEDRAL;
+}
 
 FilippovSystem timeFreezing(HybridSystem &system) { return TimeFreezing(system).run(); }
 

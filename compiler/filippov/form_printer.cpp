@@ -135,7 +135,7 @@ std::string FormPrinter::auxiliary(int index) const {
     return all + components("f_aux,t" + of, tangential, {}, false, nullptr);
   }
   for (const Field &field : form.fields)
-    if (field.contact == index && field.side != 0)
+    if (field.contact == index && (isDirection(field, system) ? field.side > 0 : field.side != 0))
       all += components(field.name, field.force, {}, false, nullptr);
   return all;
 }
@@ -160,8 +160,10 @@ std::string FormPrinter::sum(const Region &region) const {
   if (region.active[0] == 0)
     return hasInnerSteps() ? fmt::format("f_ODE[R{}]", region.mode + 1) : "f_ODE";
   std::string all;
-  for (const int field : region.active)
-    all += (all.empty() ? "" : " + ") + form.fields[static_cast<std::size_t>(field)].name;
+  for (const int field : region.active) {
+    const std::string &name = form.fields[static_cast<std::size_t>(field)].name;
+    all += name.starts_with('-') ? " - " + name.substr(1) : (all.empty() ? "" : " + ") + name;
+  }
   return all;
 }
 

@@ -1,6 +1,8 @@
 // `--emit pss | stewart | step`.
 #include "compiler/filippov/form_printer.h"
 
+#include "runtime/abi/tf_model.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -106,7 +108,9 @@ std::string perContactModes(const FormPrinter &p) {
     if (field.contact < 0)
       continue;
     const std::string side =
-        field.side == 0 ? "" : fmt::format(" ∩ {{y | {}}}", signText(firstStep(p, field.contact) + 2, field.side < 0 ? 1 : -1));
+        field.side == 0 ? ""
+                        : fmt::format(" ∩ {{y | {}}}", signText(firstStep(p, field.contact) + 2 + static_cast<std::size_t>(field.direction),
+                                                                field.side < 0 ? 1 : -1));
     text += fmt::format("  {} in {}{}\n", field.name, setName(p, field.contact), side);
   }
   return text + p.fields({});
@@ -155,30 +159,39 @@ std::string enumeratedStewart(const FormPrinter &p) {
   return text + rhs + "  theta minimises g*theta subject to theta >= 0, sum(theta) = 1\n" + p.fields(odeRegions(all));
 }
 
+// Over c1, c2 and, where it has a slip, one of the contact's c3.
+std::string contactMatrix(const FormPrinter &p, int contact, int direction) {
+  const Contact &of = p.system.contacts[static_cast<std::size_t>(contact)];
+  const std::size_t first = firstStep(p, contact), count = of.tangentCount > 0 ? 3 : 2;
+  std::vector<std::vector<int>> rows;
+  std::vector<std::string> labels;
+  for (std::size_t row = 0; row < std::size_t{1} << count; ++row) {
+    std::vector<int> signs;
+    signs.reserve(count);
+    for (std::size_t k = 0; k < count; ++k)
+      signs.push_back((row >> (count - 1 - k)) % 2 == 0 ? 1 : -1);
+    const bool isPushing = signs[0] < 0 && signs[1] < 0;
+    Region region;
+    for (std::size_t f = 1; f < p.form.fields.size(); ++f) {
+      const Field &field = p.form.fields[f];
+      if (isPushing && field.contact == contact && (field.side == 0 || (field.direction == direction && signs[2] * field.side < 0)))
+        region.active.push_back(static_cast<int>(f));
+    }
+    rows.push_back(std::move(signs));
+    labels.push_back(isPushing ? p.sum(region) : "f_ODE unless another contact pushes");
+  }
+  const std::string last = count == 3 ? fmt::format(", c[{}]", first + 3 + static_cast<std::size_t>(direction)) : "";
+  return fmt::format("  {}: columns c[{}], c[{}]{}\n", of.name, first + 1, first + 2, last) + signMatrix(rows, labels);
+}
+
 std::string perContactStewart(const FormPrinter &p) {
   std::string text =
       fmt::format("\nsign matrices (more than {} switching functions: one per contact instead of one for all)\n", kEnumerationLimit);
   for (int contact = 0; contact < static_cast<int>(p.system.contacts.size()); ++contact) {
-    const bool hasSlip = p.system.contacts[static_cast<std::size_t>(contact)].tangentCount > 0;
-    const std::size_t first = firstStep(p, contact), count = hasSlip ? 3 : 2;
-    std::vector<std::vector<int>> rows;
-    std::vector<std::string> labels;
-    for (std::size_t row = 0; row < std::size_t{1} << count; ++row) {
-      std::vector<int> signs;
-      signs.reserve(count);
-      for (std::size_t k = 0; k < count; ++k)
-        signs.push_back((row >> (count - 1 - k)) % 2 == 0 ? 1 : -1);
-      const bool isPushing = signs[0] < 0 && signs[1] < 0;
-      std::string label = "f_ODE unless another contact pushes";
-      for (const Field &field : p.form.fields)
-        if (isPushing && field.contact == contact && (field.side == 0 || signs[2] * field.side < 0))
-          label = field.name;
-      rows.push_back(std::move(signs));
-      labels.push_back(std::move(label));
-    }
-    text +=
-        fmt::format("  {}: columns c[{}]…c[{}]\n", p.system.contacts[static_cast<std::size_t>(contact)].name, first + 1, first + count) +
-        signMatrix(rows, labels);
+    const Contact &of = p.system.contacts[static_cast<std::size_t>(contact)];
+    const int directions = of.frictionForm == TF_FRICTION_POLYHEDRAL ? of.tangentCount : 1;
+    for (int direction = 0; direction < directions; ++direction)
+      text += contactMatrix(p, contact, direction);
   }
   return text + "\ng = -S c for each contact; the fields of all contacts that push add up\n" + p.fields({});
 }
@@ -205,7 +218,8 @@ std::string printStep(const FilippovSystem &filippov, HybridSystem &system) {
   for (std::size_t k = 0; k < filippov.terms.size(); ++k) {
     text += fmt::format("  theta[{}] = {}\n", k + 1, p.text(filippov.terms[k].coefficient));
     const std::string &name = filippov.fields[static_cast<std::size_t>(filippov.terms[k].field)].name;
-    sum += fmt::format("{}theta[{}]*{}", k == 0 ? "" : " + ", k + 1, name.find(' ') == std::string::npos ? name : "(" + name + ")");
+    sum +=
+        fmt::format("{}theta[{}]*{}", k == 0 ? "" : " + ", k + 1, name.find_first_of(" -") == std::string::npos ? name : "(" + name + ")");
   }
   return text + "\nright-hand side\n  y' = " + sum + "\n" + p.fields({});
 }

@@ -45,7 +45,7 @@ std::vector<int> activeFields(const FilippovSystem &filippov, const std::vector<
         continue;
       if (step.role == StepRole::Gap || step.role == StepRole::GapRate)
         isActive = isActive && signs[k] < 0;
-      if (step.role == StepRole::Slip)
+      if (step.role == StepRole::Slip && step.direction == field.direction && field.side != 0)
         isActive = isActive && signs[k] * field.side < 0;
     }
     if (isActive)
@@ -126,9 +126,10 @@ std::string verify(const FilippovSystem &filippov, HybridSystem &system) {
     for (int sample = 0; sample < 5; ++sample) {
       // Any values do: the identity is polynomial in the step variables.
       const auto alpha = [&](std::size_t k) { return std::fmod(0.618 * static_cast<double>(k + 1) + 0.377 * sample, 1.0); };
+      const std::vector<double> theta = coefficients(filippov, system, alpha);
       double total = 0;
-      for (const double theta : coefficients(filippov, system, alpha))
-        total += theta;
+      for (std::size_t t = 0; t < theta.size(); ++t)
+        total += isDirection(filippov.fields[static_cast<std::size_t>(filippov.terms[t].field)], system) ? 0 : theta[t];
       if (std::abs(total - 1) > 1e-12)
         return fmt::format("the coefficients add up to {}", total);
     }

@@ -231,9 +231,9 @@ bool checkContacts(Derivation &derivation) {
     return derivation.model.elements[static_cast<std::size_t>(entry.element)].find(attribute)->value->span;
   };
   const int errors = derivation.diagnostics.errorCount();
-  const auto checkSlip = [&](const ElementEntry &entry, int first, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::vector<NodeId> &row = system.tangents[static_cast<std::size_t>(first) + k].jacobian;
+  const auto checkSlip = [&](const ElementEntry &entry, int first, int count) {
+    for (int k = 0; k < count; ++k) {
+      const std::vector<NodeId> &row = system.tangents[static_cast<std::size_t>(first + k)].jacobian;
       if (isZero(row))
         derivation.diagnostics.report(diag::ImmovableSlip, spanOf(entry, "slip"), entry.name);
       for (const NodeId node : row)
@@ -247,10 +247,10 @@ bool checkContacts(Derivation &derivation) {
       derivation.diagnostics.report(diag::ImmovableGap, spanOf(entry, "gap"), entry.name);
     if (graph[entry.law].op != ir::Op::Constant)
       derivation.diagnostics.report(diag::VaryingLaw, spanOf(entry, "law"), entry.name);
-    checkSlip(entry, entry.tangentFirst, entry.slip.size());
+    checkSlip(entry, entry.tangentFirst, entry.tangentCount());
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)
-    checkSlip(entry, entry.tangentFirst, entry.slip.size());
+    checkSlip(entry, entry.tangentFirst, entry.tangentCount());
   for (const ForceEntry &entry : derivation.elements.forces) {
     const auto isMoving = [](Symbol s) { return s.kind == SymbolKind::Coordinate; };
     if (std::ranges::none_of(entry.at, [&](NodeId at) { return ir::dependsOn(graph, at, isMoving); }))

@@ -29,11 +29,11 @@ void deriveTangents(Derivation &derivation) {
   HybridSystem &system = derivation.system;
   ir::Graph &graph = system.graph;
   std::vector<NodeId> slips(static_cast<std::size_t>(derivation.elements.tangents), graph.constant(0));
-  const auto collect = [&](const std::vector<NodeId> &slip, int first) { std::ranges::copy(slip, slips.begin() + first); };
-  for (const ContactEntry &contact : derivation.elements.contacts)
-    collect(contact.slip, contact.tangentFirst);
-  for (const FrictionEntry &friction : derivation.elements.frictions)
-    collect(friction.slip, friction.tangentFirst);
+  const auto collect = [&](const auto &entry) {
+    std::ranges::copy(entry.form.rows(graph, entry.slip), slips.begin() + entry.tangentFirst);
+  };
+  std::ranges::for_each(derivation.elements.contacts, collect);
+  std::ranges::for_each(derivation.elements.frictions, collect);
   const auto columns = static_cast<std::size_t>(system.nv);
   const std::vector<NodeId> jacobian =
       areFew(derivation) ? ir::jacobian(graph, slips, symbols(graph, SymbolKind::Velocity, system.nv)) : std::vector<NodeId>{};
@@ -137,7 +137,9 @@ void deriveContacts(Derivation &derivation) {
     contact.bias = biases[k];
     contact.normal = row(normals, k, columns);
     contact.tangentFirst = entry.tangentFirst;
-    contact.tangentCount = static_cast<int>(entry.slip.size());
+    contact.tangentCount = entry.tangentCount();
+    contact.frictionForm = entry.form.kind;
+    contact.slipRadius = entry.slipRadius;
     contact.friction = entry.friction;
     contact.restitution = entry.restitution;
     contact.rate = entry.rate;
@@ -147,7 +149,7 @@ void deriveContacts(Derivation &derivation) {
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)
     system.frictions.push_back({entry.name, derivation.model.elements[static_cast<std::size_t>(entry.element)].span, entry.tangentFirst,
-                                static_cast<int>(entry.slip.size()), entry.bound});
+                                entry.tangentCount(), entry.form.kind, entry.bound, entry.slipRadius});
   if (areFew(derivation))
     return;
   system.contactForce = contactForce(system);

@@ -19,7 +19,10 @@ int sizePerEntry(const flat::Element &element, const std::string &attribute) {
   return given == nullptr || entries == 0 ? 0 : given->value->type.size() / entries;
 }
 
-double defaultValue(const std::string &attribute) { return attribute == "rate" || attribute == "law" ? 1 : 0; }
+double defaultValue(const std::string &attribute) {
+  constexpr double slipRadius = 1e-6;
+  return attribute == "slipRadius" ? slipRadius : attribute == "rate" || attribute == "law" ? 1 : 0;
+}
 
 bool isTorque(const flat::Element &force) {
   const flat::Attribute *at = force.find("at");
@@ -27,6 +30,8 @@ bool isTorque(const flat::Element &force) {
 }
 
 bool hasDefault(ElementKind kind, const std::string &attribute) {
+  if (attribute == "slipRadius")
+    return true;
   return kind == ElementKind::Contact &&
          (attribute == "friction" || attribute == "restitution" || attribute == "law" || attribute == "rate");
 }
@@ -51,12 +56,13 @@ void Elements::forEachNode(const std::function<void(NodeId &)> &visit) {
     one(potential.energy);
   for (ContactEntry &contact : contacts) {
     one(contact.gap), one(contact.friction), one(contact.restitution), one(contact.law), one(contact.rate);
+    one(contact.slipRadius);
     all(contact.slip);
   }
   for (ConstraintEntry &constraint : constraints)
     all(constraint.residual);
   for (FrictionEntry &friction : frictions) {
-    one(friction.bound);
+    one(friction.bound), one(friction.slipRadius);
     all(friction.slip);
   }
 }
@@ -82,7 +88,7 @@ void ElementTable::number(equations::SymbolNames &names) {
       const flat::Element &owner = model_.elements[k];
       if (owner.kind != kind)
         continue;
-      rows_[k] = {tangents_, sizePerEntry(owner, "slip")};
+      rows_[k] = {tangents_, FrictionForm::of(owner).rowCount(sizePerEntry(owner, "slip"))};
       if (kind == ElementKind::Contact)
         contactFirst_[k] = static_cast<int>(names.normalForces.size());
       for (int position = 0; position < entryCount(owner); ++position) {
@@ -167,11 +173,12 @@ void ElementTable::addEntry(Elements &elements, flat::ElementId id, int position
     elements.potentials.push_back({entry, one("energy")});
     break;
   case ElementKind::Contact:
-    elements.contacts.push_back({entry, one("gap"), one("friction"), one("restitution"), one("law"), one("rate"), all("slip"),
-                                 rows.first + position * rows.perEntry});
+    elements.contacts.push_back({entry, one("gap"), one("friction"), one("restitution"), one("law"), one("rate"), one("slipRadius"),
+                                 all("slip"), rows.first + position * rows.perEntry, FrictionForm::of(owner)});
     break;
   case ElementKind::Friction:
-    elements.frictions.push_back({entry, one("bound"), all("slip"), rows.first + position * rows.perEntry});
+    elements.frictions.push_back(
+        {entry, one("bound"), one("slipRadius"), all("slip"), rows.first + position * rows.perEntry, FrictionForm::of(owner)});
     break;
   case ElementKind::Constraint:
     elements.constraints.push_back(
@@ -220,8 +227,14 @@ Array ElementTable::forces(const flat::Expr &reference, SymbolKind kind, Rows ro
   // A contact without slip has no friction force.
   if (rows.perEntry == 0)
     result.nodes.assign(static_cast<std::size_t>(entryCount(owner)), graph_.constant(0));
-  for (int k = 0; k < entryCount(owner) * rows.perEntry; ++k)
-    result.nodes.push_back(graph_.symbol(kind, rows.first + k));
+  const FrictionForm form = kind == SymbolKind::TangentForce ? FrictionForm::of(owner) : FrictionForm{};
+  for (int position = 0; position < entryCount(owner); ++position) {
+    std::vector<NodeId> own;
+    for (int k = 0; k < rows.perEntry; ++k)
+      own.push_back(graph_.symbol(kind, rows.first + position * rows.perEntry + k));
+    const std::vector<NodeId> components = form.components(graph_, own);
+    result.nodes.insert(result.nodes.end(), components.begin(), components.end());
+  }
   return result;
 }
 

@@ -3,6 +3,7 @@
 
 #include "compiler/equations/equation_system.h"
 #include "compiler/equations/scalariser.h"
+#include "compiler/mechanics/friction_form.h"
 
 #include <map>
 #include <set>
@@ -37,9 +38,12 @@ struct PotentialEntry : ElementEntry {
 };
 
 struct ContactEntry : ElementEntry {
-  ir::NodeId gap = -1, friction = -1, restitution = -1, law = -1, rate = -1;
+  ir::NodeId gap = -1, friction = -1, restitution = -1, law = -1, rate = -1, slipRadius = -1;
   std::vector<ir::NodeId> slip;
   int tangentFirst = 0;
+  FrictionForm form;
+
+  [[nodiscard]] int tangentCount() const { return form.rowCount(static_cast<int>(slip.size())); }
 };
 
 struct ConstraintEntry : ElementEntry {
@@ -49,9 +53,12 @@ struct ConstraintEntry : ElementEntry {
 };
 
 struct FrictionEntry : ElementEntry {
-  ir::NodeId bound = -1;
+  ir::NodeId bound = -1, slipRadius = -1;
   std::vector<ir::NodeId> slip;
   int tangentFirst = 0;
+  FrictionForm form;
+
+  [[nodiscard]] int tangentCount() const { return form.rowCount(static_cast<int>(slip.size())); }
 };
 
 struct Elements {

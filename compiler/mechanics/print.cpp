@@ -157,6 +157,18 @@ private:
     }
   }
 
+  // What the form of friction changes.
+  template <class Element> std::string formText(const Element &one) {
+    switch (one.frictionForm) {
+    case TF_FRICTION_RELAXED:
+      return fmt::format(" where that is faster than {}", text(one.slipRadius));
+    case TF_FRICTION_POLYHEDRAL:
+      return " in each of its directions";
+    default:
+      return {};
+    }
+  }
+
   void contact(const Contact &one) {
     static constexpr const char *kLaws[] = {"Poisson", "Stronge", "Newton"};
     out_ += fmt::format("\ncontact {}: 0 <= gap, 0 <= normalForce, gap*normalForce = 0\n", one.name);
@@ -164,13 +176,13 @@ private:
     out_ += fmt::format("  gap'' = Jn v' + {},  Jn = {}\n", text(one.bias), row(one.normal));
     tangents(one.tangentFirst, one.tangentCount);
     if (one.tangentCount > 0)
-      out_ += fmt::format("  |frictionForce| <= mu*normalForce against the slip,  mu = {}\n", text(one.friction));
+      out_ += fmt::format("  |frictionForce| <= mu*normalForce against the slip{},  mu = {}\n", formText(one), text(one.friction));
     out_ +=
         fmt::format("  impact law {}, restitution {}, rate {}\n", kLaws[std::clamp(one.law, 0, 2)], text(one.restitution), text(one.rate));
   }
 
   void friction(const FrictionElement &one) {
-    out_ += fmt::format("\nfriction {}: |force| <= bound against the slip\n", one.name);
+    out_ += fmt::format("\nfriction {}: |force| <= bound against the slip{}\n", one.name, formText(one));
     tangents(one.tangentFirst, one.tangentCount);
     out_ += fmt::format("  bound = {}\n", text(one.bound));
   }

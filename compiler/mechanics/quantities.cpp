@@ -111,8 +111,8 @@ private:
   void addUnknowns();
   void addElement(const flat::Element &element, flat::ElementId id);
   void addBody(const BodyEntry &body, const flat::Element &element);
-  void addTangentRows(const ElementEntry &entry, int kind, const char *result, int first, std::size_t count, const char *unit,
-                      const char *description);
+  template <class Entry> void addTangentRows(const Entry &entry, const char *force, const char *slip);
+  template <class Entry> void addSlipSteps(const Entry &entry, const std::string &name, int firstNumber);
   void addConstraint(const ConstraintEntry &constraint, const flat::Element &element);
   void addEnergies();
   void addSwitches();
@@ -243,14 +243,36 @@ void QuantityTable::addBody(const BodyEntry &body, const flat::Element &element)
               velocity[k], "m/s", "velocity of " + body.name, element.span);
 }
 
-void QuantityTable::addTangentRows(const ElementEntry &entry, int kind, const char *result, int first, std::size_t count, const char *unit,
-                                   const char *description) {
+// Slips and forces of the components: those of the rows, or what the rows of a polyhedral form add up to.
+template <class Entry> void QuantityTable::addTangentRows(const Entry &entry, const char *force, const char *slip) {
   const flat::Element &element = d_.model.elements[static_cast<std::size_t>(entry.element)];
+  const std::size_t count = entry.slip.size();
   const bool isScalar = count == 1 && element.find("slip")->value->type.dims.size() == element.dims.size();
-  for (std::size_t k = 0; k < count; ++k)
-    add(equations::elementName(entry.name + "." + result, isScalar ? std::vector<int>{} : std::vector{static_cast<int>(count)},
-                               static_cast<int>(k)),
-        kind, first + static_cast<int>(k), unit, description + entry.name, element.span);
+  const bool isPolyhedral = entry.form.kind == TF_FRICTION_POLYHEDRAL;
+  std::vector<NodeId> rowForces;
+  for (int k = 0; k < entry.tangentCount(); ++k)
+    rowForces.push_back(system_.graph.symbol(SymbolKind::TangentForce, entry.tangentFirst + k));
+  const auto addAll = [&](const char *result, int kind, const std::vector<NodeId> &nodes, const char *unit, const char *description) {
+    for (std::size_t k = 0; k < count; ++k) {
+      std::string name = equations::elementName(entry.name + "." + result,
+                                                isScalar ? std::vector<int>{} : std::vector{static_cast<int>(count)}, static_cast<int>(k));
+      if (isPolyhedral)
+        addOutput(std::move(name), nodes[k], unit, description + entry.name, element.span);
+      else
+        add(std::move(name), kind, entry.tangentFirst + static_cast<int>(k), unit, description + entry.name, element.span);
+    }
+  };
+  addAll(force, TF_KIND_TANGENT_FORCE, entry.form.components(system_.graph, rowForces), "N", "friction force of ");
+  addAll(slip, TF_KIND_SLIP, entry.slip, "m/s", "slip velocity of ");
+}
+
+// Of the planar rows: a slip of one component, or each direction of a polyhedral form. `name` has the number after it where there are
+// several.
+template <class Entry> void QuantityTable::addSlipSteps(const Entry &entry, const std::string &name, int firstNumber) {
+  const flat::Element &element = d_.model.elements[static_cast<std::size_t>(entry.element)];
+  for (int k = 0; k < entry.tangentCount(); ++k)
+    add(firstNumber == 0 && entry.tangentCount() == 1 ? name : fmt::format("{}[{}]", name, std::max(firstNumber, 1) + k), TF_KIND_SLIP_STEP,
+        entry.tangentFirst + k, "", "step variable of the slip of " + entry.name, element.span);
 }
 
 void QuantityTable::addElement(const flat::Element &element, flat::ElementId id) {
@@ -271,17 +293,17 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
     const auto index = static_cast<int>(k);
     add(contact.name + ".gap", TF_KIND_GAP, index, "m", "gap of " + contact.name, element.span);
     add(contact.name + ".normalForce", TF_KIND_NORMAL_FORCE, index, "N", "normal force of " + contact.name, element.span);
-    addTangentRows(contact, TF_KIND_TANGENT_FORCE, "frictionForce", contact.tangentFirst, contact.slip.size(), "N", "friction force of ");
-    addTangentRows(contact, TF_KIND_SLIP, "slip", contact.tangentFirst, contact.slip.size(), "m/s", "slip velocity of ");
+    addTangentRows(contact, "frictionForce", "slip");
     add(contact.name + ".closed", TF_KIND_CLOSED, index, "", contact.name + " is closed", element.span).flags |= TF_BOOLEAN;
     if (!contact.slip.empty())
       add(contact.name + ".sticking", TF_KIND_STICKING, contact.tangentFirst, "", contact.name + " sticks", element.span).flags |=
           TF_BOOLEAN;
     add(contact.name + ".alpha[1]", TF_KIND_GAP_STEP, index, "", "step variable of the gap of " + contact.name, element.span);
     add(contact.name + ".alpha[2]", TF_KIND_GAP_RATE_STEP, index, "", "step variable of the gap's rate of " + contact.name, element.span);
-    if (contact.slip.size() == 1) {
-      add(contact.name + ".alpha[3]", TF_KIND_SLIP_STEP, contact.tangentFirst, "", "step variable of the slip of " + contact.name,
-          element.span);
+    const bool isPlanar = contact.slip.size() == 1;
+    if (isPlanar || contact.form.kind == TF_FRICTION_POLYHEDRAL)
+      addSlipSteps(contact, contact.name + ".alpha", 3);
+    if (isPlanar) {
       add(contact.name + ".theta[1]", TF_KIND_THETA_BACKWARD, contact.tangentFirst, "",
           "weight of the auxiliary field against positive slip of " + contact.name, element.span);
       add(contact.name + ".theta[2]", TF_KIND_THETA_FORWARD, contact.tangentFirst, "",
@@ -296,11 +318,9 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
       addConstraint(constraint, element);
   for (const FrictionEntry &friction : d_.elements.frictions)
     if (isOurs(friction)) {
-      addTangentRows(friction, TF_KIND_TANGENT_FORCE, "force", friction.tangentFirst, friction.slip.size(), "N", "friction force of ");
-      addTangentRows(friction, TF_KIND_SLIP, "slip", friction.tangentFirst, friction.slip.size(), "m/s", "slip velocity of ");
-      if (friction.slip.size() == 1)
-        add(friction.name + ".alpha", TF_KIND_SLIP_STEP, friction.tangentFirst, "", "step variable of the slip of " + friction.name,
-            element.span);
+      addTangentRows(friction, "force", "slip");
+      if (friction.slip.size() == 1 || friction.form.kind == TF_FRICTION_POLYHEDRAL)
+        addSlipSteps(friction, friction.name + ".alpha", 0);
       add(friction.name + ".sticking", TF_KIND_STICKING, friction.tangentFirst, "", friction.name + " sticks", element.span).flags |=
           TF_BOOLEAN;
     }

@@ -2,6 +2,7 @@
 
 #include "lang/semantics/components.h"
 #include "lang/semantics/diagnostics.h"
+#include "lang/semantics/typing.h"
 
 #include <algorithm>
 
@@ -73,9 +74,7 @@ ExprPtr defaultOf(const AttributeSpec &spec, const Component &element) {
   if (!spec.hasDefault)
     return nullptr;
   const Span span = element.declaration->name.span;
-  if (spec.base != Base::Enumeration)
-    return broadcast(makeReal(spec.defaultValue, span), element.dimensions);
-  return broadcast(makeLiteral({Base::Enumeration, {}}, {spec.defaultValue}, span), element.dimensions);
+  return broadcast(makeLiteral({spec.base, {}}, {spec.defaultValue}, span), element.dimensions);
 }
 
 // Removes the element's dimensions from the value's; what remains is the attribute's shape. Nothing if they do not match: reported.
@@ -109,6 +108,19 @@ ExprPtr shaped(Context &context, const Component &element, const AttributeSpec &
   return broadcast(value, {dims.begin(), binding.isEach ? dims.end() : dims.begin() + outer});
 }
 
+// False if the value is of another enumeration than the attribute, as far as literals and variables in it tell.
+bool isOfEnumeration(const Context &context, const flat::Expr &value, std::span<const std::string_view> literals) {
+  if (value.kind == flat::ExprKind::Variable)
+    return std::ranges::equal(context.model.variables[static_cast<std::size_t>(value.variable)].literals, literals);
+  if (value.kind == flat::ExprKind::Literal) {
+    const auto ordinal = static_cast<std::size_t>(value.values.empty() ? 0 : value.values[0]);
+    const std::string_view name = std::string_view(value.text).substr(value.text.rfind('.') + 1);
+    return value.text.empty() || (ordinal >= 1 && ordinal <= literals.size() && literals[ordinal - 1] == name);
+  }
+  return std::ranges::all_of(
+      value.args, [&](const ExprPtr &arg) { return arg->type.base != Base::Enumeration || isOfEnumeration(context, *arg, literals); });
+}
+
 std::vector<int> shapeOf(const ExprPtr &value, const Component &element) {
   return {value->type.dims.begin() + static_cast<std::ptrdiff_t>(element.dimensions.size()), value->type.dims.end()};
 }
@@ -133,6 +145,10 @@ ExprPtr attributeOf(Context &context, Component &element, const AttributeSpec &s
   const bool isRotation = spec.mayBeRotation && value->type.base == Base::Rotation;
   if (!isRotation && !isConvertible(value->type.base, spec.base)) {
     context.diagnostics.report(diag::AttributeType, modifier->span, spec.name, toString({spec.base, {}}), toString(value->type));
+    return nullptr;
+  }
+  if (spec.base == Base::Enumeration && !isOfEnumeration(context, *value, findPredefined(spec.enumeration)->literals)) {
+    context.diagnostics.report(diag::AttributeType, modifier->span, spec.name, spec.enumeration, "another enumeration");
     return nullptr;
   }
   value = shaped(context, element, spec, *modifier, spec.base == Base::Real ? toReal(value) : value);
@@ -181,6 +197,9 @@ ExprPtr typeElementPart(Context &context, Component &element, const ast::Name &p
 
 namespace {
 
+// Of a friction polygon: two make a square; more than this many are no better than the exact form.
+constexpr int kFewestDirections = 2, kMostDirections = 64;
+
 class ElementRules {
 public:
   ElementRules(Context &context, Component &element)
@@ -196,10 +215,14 @@ public:
 private:
   void addAttribute(const AttributeSpec &spec) {
     const Modifier *modifier = givenAttribute(element_, spec.name);
-    const ExprPtr value = attributeOf(context_, element_, spec);
+    if (modifier == nullptr && spec.isSilent)
+      return;
+    ExprPtr value = attributeOf(context_, element_, spec);
+    const Span span = modifier == nullptr ? name_ : modifier->span;
+    if (value != nullptr && spec.isStructural)
+      value = settled(spec, value, span);
     if (value == nullptr)
       return;
-    const Span span = modifier == nullptr ? name_ : modifier->span;
     if (modifier != nullptr) {
       checkDependencies(context_, element_, spec, *value, span);
       checkConstantRange(spec, *value, span);
@@ -209,16 +232,31 @@ private:
     context_.model.elements[static_cast<std::size_t>(id)].attributes.push_back({std::string(spec.name), value, span});
   }
 
+  // The value as a literal; the parameters that it depends on become structural. Null if it is not one value: reported.
+  ExprPtr settled(const AttributeSpec &spec, const ExprPtr &value, Span span) {
+    const std::optional<std::vector<double>> values = constantValue(context_, *value);
+    if (!values || std::ranges::any_of(*values, [&](double entry) { return entry != values->front(); })) {
+      context_.diagnostics.report(diag::AttributeNotSettled, span, spec.name, element_.name);
+      return nullptr;
+    }
+    return makeLiteral(value->type, *values, value->span);
+  }
+
   // Values that are wrong whatever the parameters are.
   void checkConstantRange(const AttributeSpec &spec, const flat::Expr &value, Span span) {
     if (value.kind != flat::ExprKind::Literal)
       return;
     for (const double entry : value.values) {
       const bool isNegative = (spec.name == "friction" || spec.name == "bound" || spec.name == "restitution") && entry < 0;
-      const bool isNotPositive = spec.name == "rate" && entry <= 0;
+      const bool isNotPositive = (spec.name == "rate" || spec.name == "slipRadius") && entry <= 0;
       const bool isMassNegative = (spec.name == "mass" || (spec.name == "inertia" && value.type.dims == element_.dimensions)) && entry < 0;
       if (isNegative || isNotPositive || isMassNegative) {
         context_.diagnostics.report(diag::AttributeRange, span, spec.name, isNotPositive ? "positive" : "0 or more", entry);
+        return;
+      }
+      if (spec.name == "directions" && (entry < kFewestDirections || entry > kMostDirections)) {
+        context_.diagnostics.report(diag::AttributeRange, span, spec.name, fmt::format("from {} to {}", kFewestDirections, kMostDirections),
+                                    entry);
         return;
       }
       if (spec.name == "restitution" && entry > 1) {
@@ -269,10 +307,12 @@ private:
     case PredefinedKind::Contact:
       require("gap");
       checkFriction();
+      checkFrictionForm();
       break;
     case PredefinedKind::Friction:
       require("slip");
       require("bound");
+      checkFrictionForm();
       break;
     default:
       break;
@@ -334,6 +374,26 @@ private:
     const bool isZero = friction->kind == flat::ExprKind::Literal && std::ranges::all_of(friction->values, [](double v) { return v == 0; });
     if (!isZero)
       context_.diagnostics.report(diag::FrictionWithoutSlip, givenAttribute(element_, "friction")->span, element_.name);
+  }
+
+  // Forms other than the exact one are forms of the friction disk.
+  void checkFrictionForm() {
+    requireWith("frictionForm", "directions");
+    requireWith("frictionForm", "slipRadius");
+    const ExprPtr form = has("frictionForm") ? attributeOf(context_, element_, *predefined_.attribute("frictionForm")) : nullptr;
+    if (form == nullptr)
+      return;
+    const std::optional<std::vector<double>> values = constantValue(context_, *form);
+    if (!values || values->empty() || values->front() == 1)
+      return;
+    const Span span = givenAttribute(element_, "frictionForm")->span;
+    if (!has("slip")) {
+      context_.diagnostics.report(diag::FormWithoutPlane, span, element_.name, "none");
+      return;
+    }
+    const ExprPtr slip = attributeOf(context_, element_, *predefined_.attribute("slip"));
+    if (slip != nullptr && shapeOf(slip, element_) != std::vector<int>{2})
+      context_.diagnostics.report(diag::FormWithoutPlane, span, element_.name, toString({Base::Real, shapeOf(slip, element_)}));
   }
 
   Context &context_;

@@ -37,6 +37,30 @@ constexpr AttributeSpec kinematic(std::string_view name, Shape shape) {
 }
 constexpr AttributeSpec slip() { return {.name = "slip", .shape = Shape::Planar, .may = kMotion, .isKinematic = true, .isAffine = true}; }
 
+// How a slip of two components is opposed, with what the forms need.
+constexpr AttributeSpec frictionForm() {
+  return {.name = "frictionForm",
+          .base = Base::Enumeration,
+          .may = kParameters,
+          .hasDefault = true,
+          .defaultValue = 1,
+          .isStructural = true,
+          .isSilent = true,
+          .enumeration = "FrictionForm"};
+}
+constexpr AttributeSpec directions() {
+  return {.name = "directions",
+          .base = Base::Integer,
+          .may = kParameters,
+          .hasDefault = true,
+          .defaultValue = 4,
+          .isStructural = true,
+          .isSilent = true};
+}
+constexpr AttributeSpec slipRadius() {
+  return {.name = "slipRadius", .may = kParameters, .hasDefault = true, .defaultValue = 1e-6, .isSilent = true};
+}
+
 constexpr std::array kBodyAttributes = {
     AttributeSpec{.name = "mass", .may = kParameters, .unit = "kg"},
     kinematic("position", Shape::Position),
@@ -58,10 +82,15 @@ constexpr std::array kContactAttributes = {
     slip(),
     AttributeSpec{.name = "friction", .may = kNoVelocities, .hasDefault = true, .defaultValue = 0, .unit = "1"},
     AttributeSpec{.name = "restitution", .may = kParameters, .hasDefault = true, .defaultValue = 0, .unit = "1"},
-    AttributeSpec{.name = "law", .base = Base::Enumeration, .may = kParameters, .hasDefault = true, .defaultValue = 1},
+    AttributeSpec{
+        .name = "law", .base = Base::Enumeration, .may = kParameters, .hasDefault = true, .defaultValue = 1, .enumeration = "ImpactLaw"},
     AttributeSpec{.name = "rate", .may = kParameters, .hasDefault = true, .defaultValue = 1},
+    frictionForm(),
+    directions(),
+    slipRadius(),
 };
-constexpr std::array kFrictionAttributes = {slip(), AttributeSpec{.name = "bound", .may = kAnything}};
+constexpr std::array kFrictionAttributes = {slip(), AttributeSpec{.name = "bound", .may = kAnything}, frictionForm(), directions(),
+                                            slipRadius()};
 
 constexpr std::array kBodyResults = {ResultSpec{"kineticEnergy"}, ResultSpec{.name = "velocity", .shapeOf = "position"}};
 constexpr std::array kForceResults = {ResultSpec{"power"}};
@@ -78,6 +107,7 @@ constexpr std::array kFrictionResults = {ResultSpec{.name = "force", .shapeOf = 
                                          ResultSpec{.name = "sticking", .base = Base::Boolean}};
 
 constexpr std::array<std::string_view, 3> kImpactLaws = {"Poisson", "Stronge", "Newton"};
+constexpr std::array<std::string_view, 3> kFrictionForms = {"Exact", "Relaxed", "Polyhedral"};
 constexpr std::array<std::string_view, 5> kStateSelect = {"never", "avoid", "default", "prefer", "always"};
 constexpr std::array<std::string_view, 2> kAssertionLevel = {"warning", "error"};
 
@@ -88,6 +118,7 @@ const std::array kClasses = {
     PredefinedClass{"String", PredefinedKind::String, kStringAttributes},
     PredefinedClass{"Rotation", PredefinedKind::Rotation, kRotationAttributes},
     PredefinedClass{"ImpactLaw", PredefinedKind::Enumeration, kEnumerationAttributes, {}, kImpactLaws},
+    PredefinedClass{"FrictionForm", PredefinedKind::Enumeration, kEnumerationAttributes, {}, kFrictionForms},
     PredefinedClass{"StateSelect", PredefinedKind::Enumeration, kEnumerationAttributes, {}, kStateSelect},
     PredefinedClass{"AssertionLevel", PredefinedKind::Enumeration, kEnumerationAttributes, {}, kAssertionLevel},
     PredefinedClass{"body", PredefinedKind::Body, kBodyAttributes, kBodyResults},

@@ -50,7 +50,10 @@ struct AttributeSpec {
   bool hasDefault = false;
   double defaultValue = 0;
   bool mayBeRotation = false;  // takes a Rotation as well
+  bool isStructural = false;   // one value for all elements of an array, known before the run
+  bool isSilent = false;       // no part of the flat model unless it is given
   std::string_view unit = {};
+  std::string_view enumeration = {};  // name of its predefined type
 };
 
 struct ResultSpec {

@@ -254,21 +254,23 @@ private:
   }
 
   std::string declaration(const Element &element) const {
+    const semantics::PredefinedClass &predefined = *semantics::findPredefined(kElements[static_cast<std::size_t>(element.kind)]);
     std::string text = std::string(kElements[static_cast<std::size_t>(element.kind)]) + " " + element.name + dimensions(element.dims) + "(";
     for (std::size_t i = 0; i < element.attributes.size(); ++i)
-      text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", element.attributes[i].name, attributeValue(element.attributes[i]));
+      text += fmt::format("{}{} = {}", i == 0 ? "" : ", ", element.attributes[i].name, attributeValue(element.attributes[i], predefined));
     return text + ")" + description(element.description);
   }
 
-  // The law's ordinals by their names.
-  std::string attributeValue(const Attribute &attribute) const {
+  // Ordinals of enumerations by their names.
+  std::string attributeValue(const Attribute &attribute, const semantics::PredefinedClass &predefined) const {
     const Expr &value = *attribute.value;
     if (value.kind != ExprKind::Literal || value.type.base != Base::Enumeration)
       return expression(value);
-    const auto literals = semantics::findPredefined("ImpactLaw")->literals;
+    const std::string_view type = predefined.attribute(attribute.name)->enumeration;
+    const auto literals = semantics::findPredefined(type)->literals;
     std::string text;
     for (const double ordinal : value.values)
-      text += fmt::format("{}ImpactLaw.{}", text.empty() ? "" : ", ", literals[static_cast<std::size_t>(ordinal) - 1]);
+      text += fmt::format("{}{}.{}", text.empty() ? "" : ", ", type, literals[static_cast<std::size_t>(ordinal) - 1]);
     return value.type.dims.empty() ? text : "{" + text + "}";
   }
 

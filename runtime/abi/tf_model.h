@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 2u
+#define TF_ABI_VERSION 3u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -119,9 +119,17 @@ typedef struct tf_alias {
 
 enum tf_impact_law { TF_LAW_POISSON = 0, TF_LAW_STRONGE = 1, TF_LAW_NEWTON = 2 };
 
+/* How a slip of two components is opposed. */
+enum tf_friction_form {
+  TF_FRICTION_EXACT = 0,     /* its two rows share the disk |lt| <= limit */
+  TF_FRICTION_RELAXED = 1,   /* as well, with the disk |slip| <= slip radius in place of slip = 0; not simulated */
+  TF_FRICTION_POLYHEDRAL = 2 /* rows along several directions, each |lt| <= limit on its own */
+};
+
 typedef struct tf_contact {
   const char *name;
-  int32_t tangent_first, tangent_count; /* its tangential rows: 0, 1 or 2 */
+  int32_t tangent_first, tangent_count; /* its tangential rows: 0, 1 or 2, or the directions of a polyhedral form */
+  int32_t friction_form;                /* enum tf_friction_form; TF_FRICTION_EXACT of slips of one component */
   int32_t law;                          /* enum tf_impact_law */
   double nominal;                       /* length scale of the gap */
   tf_location location;
@@ -130,6 +138,7 @@ typedef struct tf_contact {
 typedef struct tf_friction { /* a friction element: tangential rows with a bound instead of a normal force */
   const char *name;
   int32_t tangent_first, tangent_count;
+  int32_t friction_form; /* enum tf_friction_form */
   tf_location location;
 } tf_friction;
 

@@ -15,14 +15,12 @@ std::vector<int> contactsOfTangents(const tf_model &model) {
 
 std::vector<int> pairsOfTangents(const tf_model &model) {
   std::vector<int> pair(model.nt, -1);
-  const auto mark = [&pair](int first, int count) {
-    for (int k = 0; count == 2 && k < 2; ++k)
-      pair[first + k] = first;
+  const auto mark = [&pair](const auto &element) {
+    for (int k = 0; sharesDisk(element) && k < 2; ++k)
+      pair[element.tangent_first + k] = element.tangent_first;
   };
-  for (int i = 0; i < model.nc; ++i)
-    mark(model.contacts[i].tangent_first, model.contacts[i].tangent_count);
-  for (int i = 0; i < model.nf; ++i)
-    mark(model.frictions[i].tangent_first, model.frictions[i].tangent_count);
+  std::for_each_n(model.contacts, model.nc, mark);
+  std::for_each_n(model.frictions, model.nf, mark);
   return pair;
 }
 

@@ -92,6 +92,11 @@ private:
 // Tangential row of the model that the slip with two components begins with which `row` belongs to; −1 for a slip of one component.
 [[nodiscard]] std::vector<int> pairsOfTangents(const tf_model &model);
 
+// The tangential rows of a contact or friction element are the two components of one slip, with one disk of friction forces.
+template <class Element> [[nodiscard]] bool sharesDisk(const Element &element) {
+  return element.tangent_count == 2 && element.friction_form != TF_FRICTION_POLYHEDRAL;
+}
+
 // Contact of a tangential row of the model, −1 for a row of a friction element.
 [[nodiscard]] std::vector<int> contactsOfTangents(const tf_model &model);
 

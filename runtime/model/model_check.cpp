@@ -131,10 +131,12 @@ Outcome<void> checkVariables(const tf_model &model) {
 // Tangential rows belong to the contacts in order, then to the friction elements.
 Outcome<void> checkElements(const tf_model &model) {
   std::int64_t row = 0;
-  const auto rows = [&](const char *name, std::int32_t first, std::int32_t count, std::int32_t least) -> Outcome<void> {
+  const auto rows = [&](const char *name, std::int32_t first, std::int32_t count, std::int32_t least, std::int32_t form) -> Outcome<void> {
     if (name == nullptr)
       return damaged("an element has no name");
-    if (count < least || count > 2 || first != row)
+    if (form < TF_FRICTION_EXACT || form > TF_FRICTION_POLYHEDRAL)
+      return damaged(fmt::format("'{}' has the friction form {}", name, form));
+    if (count < least || (count > 2 && form != TF_FRICTION_POLYHEDRAL) || count > model.nt - row || first != row)
       return damaged(fmt::format("'{}' has {} tangential rows from row {}", name, count, first));
     row += count;
     return {};
@@ -143,14 +145,16 @@ Outcome<void> checkElements(const tf_model &model) {
     const tf_contact &contact = model.contacts[i];
     // A contact without rows may say any first row.
     if (auto checked = rows(contact.name, contact.tangent_count == 0 ? static_cast<std::int32_t>(row) : contact.tangent_first,
-                            contact.tangent_count, 0);
+                            contact.tangent_count, 0, contact.friction_form);
         !checked)
       return checked;
     if (contact.law < TF_LAW_POISSON || contact.law > TF_LAW_NEWTON)
       return damaged(fmt::format("'{}' has the impact law {}", contact.name, contact.law));
   }
   for (std::int32_t i = 0; i < model.nf; ++i)
-    if (auto checked = rows(model.frictions[i].name, model.frictions[i].tangent_first, model.frictions[i].tangent_count, 1); !checked)
+    if (auto checked = rows(model.frictions[i].name, model.frictions[i].tangent_first, model.frictions[i].tangent_count, 1,
+                            model.frictions[i].friction_form);
+        !checked)
       return checked;
   if (row != model.nt)
     return damaged(fmt::format("{} tangential rows, but its elements have {}", model.nt, row));

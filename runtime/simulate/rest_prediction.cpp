@@ -92,12 +92,12 @@ bool RestPrediction::chooseRows(double time, const double *state) {
   const std::vector<int> owner = contactsOfTangents(model);
   std::vector<int> contacts, tangents;
   for (int i = 0; i < model.nc; ++i) {
-    if (model.contacts[i].tangent_count > 1 && at_.friction[i] > 0)
+    if (sharesDisk(model.contacts[i]) && at_.friction[i] > 0)
       return false;
     contacts.push_back(i);
   }
   for (int f = 0; f < model.nf; ++f)
-    if (model.frictions[f].tangent_count > 1)
+    if (sharesDisk(model.frictions[f]))
       return false;
   for (int j = 0; j < model.nt; ++j)
     if (owner[j] < 0 || at_.friction[owner[j]] > 0)

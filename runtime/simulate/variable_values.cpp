@@ -13,6 +13,13 @@ VariableValues::VariableValues(ModeDynamics &dynamics)
   const tf_model &model = dynamics.model().model();
   for (const int pair : pairsOfTangents(model))
     isPaired_.push_back(pair >= 0);
+  stickRows_.assign(model.nt, 1);
+  const auto mark = [this](const auto &element) {
+    if (element.friction_form == TF_FRICTION_POLYHEDRAL)
+      stickRows_[element.tangent_first] = element.tangent_count;
+  };
+  std::for_each_n(model.contacts, model.nc, mark);
+  std::for_each_n(model.frictions, model.nf, mark);
   for (int k = 0; k < model.variable_count; ++k)
     hasEnergies_ = hasEnergies_ || model.variables[k].kind == TF_KIND_KINETIC_ENERGY;
 }
@@ -34,6 +41,12 @@ double VariableValues::slipStep(int row) const {
     return at.slip[row] > 0 ? 1 : at.slip[row] < 0 ? 0 : 0.5;
   const int contact = owner_[row];
   return slipStepVariable(at.tangentForce[row], contact >= 0 ? at.friction[contact] * at.normalForce[contact] : at.bound[row]);
+}
+
+// All directions of a polyhedral form stick.
+bool VariableValues::sticks(int row) const {
+  const auto first = dynamics_.mode().tangent.begin() + row;
+  return std::all_of(first, first + stickRows_[row], [](Tangent tangent) { return tangent == Tangent::Stick; });
 }
 
 double VariableValues::value(const tf_variable &variable, double time, const double *state, const double *impulse,
@@ -73,7 +86,7 @@ double VariableValues::value(const tf_variable &variable, double time, const dou
   case TF_KIND_CLOSED:
     return dynamics_.mode().closed[i];
   case TF_KIND_STICKING:
-    return dynamics_.mode().tangent[i] == Tangent::Stick ? 1 : 0;
+    return sticks(i) ? 1 : 0;
   case TF_KIND_IMPULSE:
     return impulse[i];
   case TF_KIND_TIME_SPEED:

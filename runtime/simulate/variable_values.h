@@ -25,12 +25,14 @@ private:
   [[nodiscard]] double energyTotal(double EnergyTotals::*total) const;
   [[nodiscard]] double push(int contact) const;
   [[nodiscard]] double slipStep(int row) const;
+  [[nodiscard]] bool sticks(int row) const;
 
   ModeDynamics &dynamics_;
   const EnergyBalance *energy_ = nullptr;
   bool hasEnergies_ = false;
   double kinetic_ = 0, potential_ = 0;
   std::vector<int> owner_;      // contact of a tangential row, −1 of a friction element
+  std::vector<int> stickRows_;  // nt: how many rows from this one on stick together
   std::vector<bool> isPaired_;  // tangential rows: of slips with two components
   std::vector<double> rate_, outputs_;
 };

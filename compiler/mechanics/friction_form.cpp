@@ -1,0 +1,71 @@
+#include "compiler/mechanics/friction_form.h"
+
+#include "runtime/abi/tf_model.h"
+
+#include <cmath>
+#include <numbers>
+
+namespace tf::mechanics {
+
+using ir::NodeId;
+
+namespace {
+
+// The value of an attribute that lang/semantics has settled.
+int settledValue(const flat::Element &element, const char *name, int otherwise) {
+  const flat::Attribute *given = element.find(name);
+  return given == nullptr || given->value->values.empty() ? otherwise : static_cast<int>(given->value->values[0]);
+}
+
+}  // namespace
+
+FrictionForm FrictionForm::of(const flat::Element &element) {
+  constexpr int defaultDirections = 4;
+  FrictionForm form;
+  form.kind = settledValue(element, "frictionForm", TF_FRICTION_EXACT + 1) - 1;
+  if (form.kind == TF_FRICTION_POLYHEDRAL)
+    form.directions = settledValue(element, "directions", defaultDirections);
+  return form;
+}
+
+int FrictionForm::rowCount(int components) const { return kind == TF_FRICTION_POLYHEDRAL ? directions : components; }
+
+// Mirrored about the second axis and about the diagonal, so that all sides agree to the last bit and the axes are exact.
+std::array<double, 2> FrictionForm::direction(int row) const {
+  const double weight = std::sin(std::numbers::pi / (2 * directions));
+  const bool isMirrored = 2 * row > directions;
+  const int turned = isMirrored ? directions - row : row;  // angle π/directions times this, up to π/2
+  const auto cosine = [this](int twice) { return std::cos(std::numbers::pi * twice / (2 * directions)); };
+  const auto sine = [this](int twice) { return std::sin(std::numbers::pi * twice / (2 * directions)); };
+  const bool isSteep = 4 * turned > directions;
+  const double x = isSteep ? sine(directions - 2 * turned) : cosine(2 * turned);
+  const double y = isSteep ? cosine(directions - 2 * turned) : sine(2 * turned);
+  return 4 * turned == directions ? std::array{(isMirrored ? -weight : weight) * std::numbers::sqrt2 / 2, weight * std::numbers::sqrt2 / 2}
+                                  : std::array{(isMirrored ? -weight : weight) * x, weight * y};
+}
+
+std::vector<NodeId> FrictionForm::rows(ir::Graph &graph, const std::vector<NodeId> &slip) const {
+  if (kind != TF_FRICTION_POLYHEDRAL)
+    return slip;
+  std::vector<NodeId> rows;
+  for (int k = 0; k < directions; ++k) {
+    const auto [x, y] = direction(k);
+    rows.push_back(graph.add(graph.mul(graph.constant(x), slip[0]), graph.mul(graph.constant(y), slip[1])));
+  }
+  return rows;
+}
+
+std::vector<NodeId> FrictionForm::components(ir::Graph &graph, const std::vector<NodeId> &rowForces) const {
+  if (kind != TF_FRICTION_POLYHEDRAL)
+    return rowForces;
+  std::vector<NodeId> components;
+  for (const std::size_t axis : {0, 1}) {
+    std::vector<NodeId> terms;
+    for (int k = 0; k < directions; ++k)
+      terms.push_back(graph.mul(graph.constant(direction(k)[axis]), rowForces[static_cast<std::size_t>(k)]));
+    components.push_back(graph.sum(terms));
+  }
+  return components;
+}
+
+}  // namespace tf::mechanics
