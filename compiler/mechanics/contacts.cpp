@@ -149,7 +149,7 @@ void deriveContacts(Derivation &derivation) {
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)
     system.frictions.push_back({entry.name, derivation.model.elements[static_cast<std::size_t>(entry.element)].span, entry.tangentFirst,
-                                entry.tangentCount(), entry.form.kind, entry.bound, entry.slipRadius});
+                                entry.tangentCount(), entry.bound, entry.form.kind, entry.slipRadius});
   if (areFew(derivation))
     return;
   system.contactForce = contactForce(system);

@@ -45,19 +45,20 @@ struct Contact {
   ir::NodeId gap = -1, gapRate = -1, bias = -1;  // gap'' = normal · v' + bias
   std::vector<ir::NodeId> normal;                // [nv], or empty: see HybridSystem::contactForce
   int tangentFirst = 0, tangentCount = 0;        // rows in HybridSystem::tangents
-  int frictionForm = 0;                          // enum tf_friction_form
-  ir::NodeId slipRadius = -1;                    // of a relaxed form
   ir::NodeId friction = -1, restitution = -1, rate = -1;
   int law = 0;  // enum tf_impact_law
   double nominal = 1;
+  int frictionForm = 0;        // enum tf_friction_form
+  ir::NodeId slipRadius = -1;  // of a relaxed form
 };
 
 struct FrictionElement {
   std::string name;
   Span span;
   int tangentFirst = 0, tangentCount = 0;
+  ir::NodeId bound = -1;
   int frictionForm = 0;
-  ir::NodeId bound = -1, slipRadius = -1;
+  ir::NodeId slipRadius = -1;
 };
 
 struct ConstraintRow {

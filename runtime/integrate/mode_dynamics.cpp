@@ -265,12 +265,13 @@ int ModeDynamics::jammedContact() {
   complete();
   constexpr double jammed = 1e-6;
   const int normals = rows_.normalCount();
-  for (int j = 0; j < problem_.tangentCount; ++j) {
-    const int i = problem_.owner[j];
-    if (i < 0 || contactMode_.slip[j] == 0)
-      continue;
+  for (int i = 0; i < normals; ++i) {
     const double own = problem_.delassus(i, i);
-    if (own - contactMode_.slip[j] * problem_.friction[j] * problem_.delassus(i, normals + j) <= jammed * own)
+    double slipping = own;
+    for (int j = 0; j < problem_.tangentCount; ++j)
+      if (problem_.owner[j] == i)
+        slipping -= contactMode_.slip[j] * problem_.friction[j] * problem_.delassus(i, normals + j);
+    if (slipping <= jammed * own)
       return rows_.contacts()[i];
   }
   return -1;

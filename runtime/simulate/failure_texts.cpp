@@ -14,6 +14,10 @@ std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN
 
 std::string at(const tf_location &location) { return fmt::format("({}:{})", location.file != nullptr ? location.file : "", location.line); }
 
+std::string relaxed(const tf_location &location) {
+  return fmt::format("has FrictionForm.Relaxed, which is in the printed forms only: a run needs .Exact or .Polyhedral {}", at(location));
+}
+
 }  // namespace
 
 std::string FailureTexts::contactParameters() {
@@ -24,7 +28,12 @@ std::string FailureTexts::contactParameters() {
                          at(contact.location));
     if (!(at_.rate[i] > 0))
       return fmt::format("contact '{}' has rate {}; it must be positive {}", contact.name, at_.rate[i], at(contact.location));
+    if (contact.friction_form == TF_FRICTION_RELAXED)
+      return fmt::format("contact '{}' {}", contact.name, relaxed(contact.location));
   }
+  for (int i = 0; i < model_.nf; ++i)
+    if (model_.frictions[i].friction_form == TF_FRICTION_RELAXED)
+      return fmt::format("friction element '{}' {}", model_.frictions[i].name, relaxed(model_.frictions[i].location));
   return {};
 }
 

@@ -15,7 +15,7 @@ public:
       : model_(instance.model()), at_(dynamics.model()), dynamics_(dynamics), instance_(instance) {}
 
   // Each is empty where nothing is wrong.
-  // Restitution and rate of the contacts at the parameters.
+  // Restitution, rate and form of friction of the elements at the parameters.
   std::string contactParameters();
   // Gaps, friction coefficients and bounds at the start (time, state).
   std::string contactsAtStart(double time, const double *state);

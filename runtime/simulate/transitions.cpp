@@ -2,6 +2,8 @@
 
 #include "runtime/tf.h"
 
+#include <algorithm>
+
 namespace tf::runtime {
 
 namespace {
@@ -10,12 +12,37 @@ template <class Element> bool hasTangent(const Element &element, int row) {
   return row >= element.tangent_first && row < element.tangent_first + element.tangent_count;
 }
 
+// The directions of a polyhedral form change one by one: the contact sticks where all of them do. Where one of them alone comes to zero,
+// the slip goes on along the edge between two sides of the polygon.
+template <class Element>
+void compareDirections(const Element &element, int number, const Mode &from, const Mode &to, std::vector<Transition> &transitions) {
+  const auto sticks = [&element](const Mode &mode) {
+    const auto first = mode.tangent.begin() + element.tangent_first;
+    return std::all_of(first, first + element.tangent_count, [](Tangent tangent) { return tangent == Tangent::Stick; });
+  };
+  const bool stuck = sticks(from), isStuck = sticks(to);
+  if (stuck != isStuck) {
+    transitions.push_back({isStuck ? TF_EVENT_STICK : TF_EVENT_SLIP, number});
+    return;
+  }
+  bool changes = false, comesToZero = false;
+  for (int row = element.tangent_first; row < element.tangent_first + element.tangent_count; ++row) {
+    const Tangent a = from.tangent[row], b = to.tangent[row];
+    changes = changes || (a != b && a != Tangent::None);
+    comesToZero = comesToZero || (a != b && a != Tangent::None && b == Tangent::Stick);
+  }
+  if (changes)
+    transitions.push_back({comesToZero ? TF_EVENT_SLIDING : TF_EVENT_SLIP_REVERSAL, number});
+}
+
 // Both rows of a slip of two components change together: the first one tells.
 template <class Element>
 void compareTangent(const Element &element, int number, const Mode &from, const Mode &to, std::vector<Transition> &transitions) {
   if (element.tangent_count == 0)
     return;
   const Tangent a = from.tangent[element.tangent_first], b = to.tangent[element.tangent_first];
+  if (element.friction_form == TF_FRICTION_POLYHEDRAL && b != Tangent::None)
+    return compareDirections(element, number, from, to, transitions);
   if (a == b || b == Tangent::None)
     return;
   if (b == Tangent::Stick)

@@ -43,7 +43,7 @@ protected:
     system.parameterBindings = {-1, g.add(p0, p2), g.mul(p0, p0), -1};
     system.mass = {p0, g.constant(0), g.constant(0), p1};
     system.contacts = {{"floor", span, -1, -1, -1, {}, 0, 1, -1, -1, -1, TF_LAW_STRONGE, 0.5}};
-    system.frictions = {{"brake", {}, 1, 2, -1}};
+    system.frictions = {{"brake", {}, 1, 2, -1, TF_FRICTION_POLYHEDRAL}};
     system.tangents.resize(3);
     system.constraints = {{"loop", span, 0, 2, false, 0.25}};
     system.constraintRows.resize(2);
@@ -88,6 +88,8 @@ protected:
     EXPECT_EQ((std::vector{m.contacts[0].tangent_first, m.contacts[0].tangent_count, m.contacts[0].law}),
               (std::vector<int>{0, 1, TF_LAW_STRONGE}));
     EXPECT_EQ(m.contacts[0].nominal, 0.5);
+    EXPECT_EQ(m.contacts[0].friction_form, TF_FRICTION_EXACT);
+    EXPECT_EQ(m.frictions[0].friction_form, TF_FRICTION_POLYHEDRAL);
     EXPECT_EQ(m.contacts[0].location.line, 2);
     EXPECT_STREQ(m.frictions[0].name, "brake");
     EXPECT_EQ((std::vector{m.frictions[0].tangent_first, m.frictions[0].tangent_count}), (std::vector{1, 2}));

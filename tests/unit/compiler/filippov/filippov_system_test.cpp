@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <numbers>
 
 namespace tf::filippov {
 namespace {
@@ -223,7 +224,8 @@ TEST(TimeFreezing, RelaxedFrictionInSpace) {
 model Particle
   coordinate Real q[3](start = {0, 0, 1});
   body ball(mass = 2, position = q);
-  contact floor(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.5, rate = 4);
+  contact floor(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.5, rate = 4,
+                frictionForm = FrictionForm.Relaxed, slipRadius = 1e-3);
 end Particle;
 )");
   TF_ASSERT_DERIVED(model);
@@ -238,7 +240,43 @@ end Particle;
   EXPECT_NEAR(outside(5), 2, 1e-15);
   EXPECT_GT(inside(3), 0);
   EXPECT_LT(inside(4), 0);
-  EXPECT_NEAR(point.evaluate(model->graph, form.steps[2].condition), 5 - kSlipRadius, 1e-14);
+  EXPECT_NEAR(point.evaluate(model->graph, form.steps[2].condition), 5 - 1e-3, 1e-14);
+}
+
+// One step variable for each direction; at their vertices the forces are those of the polygon, inscribed in Coulomb's circle.
+TEST(TimeFreezing, PolyhedralFrictionInSpace) {
+  constexpr int directions = 6;
+  DerivedModel model(R"(
+model Particle
+  coordinate Real q[3](start = {0, 0, 1});
+  body ball(mass = 2, position = q);
+  contact floor(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.5, rate = 4,
+                frictionForm = FrictionForm.Polyhedral, directions = 6);
+end Particle;
+)");
+  TF_ASSERT_DERIVED(model);
+  const FilippovSystem form = timeFreezing(*model);
+  EXPECT_EQ(verify(form, *model), "");
+  ASSERT_EQ(form.steps.size(), 2U + directions);
+  ASSERT_EQ(form.terms.size(), 2U + 2 * directions);
+  const double side = std::numbers::pi / directions, limit = 0.5 * 4 / 2.0;
+  for (int corner = 0; corner < 2 * directions; ++corner) {
+    // Corners are between the normals of sides, which are across the directions.
+    const double angle = std::numbers::pi / 2 + (corner + 0.5) * side;
+    Point point(*model, 1);
+    point(Velocity, 0) = 3 * std::cos(angle);
+    point(Velocity, 1) = 3 * std::sin(angle);
+    std::vector<double> alpha = {0, 0};
+    for (int k = 0; k < directions; ++k) {
+      const double slip = point.evaluate(model->graph, form.steps[2 + static_cast<std::size_t>(k)].condition);
+      EXPECT_NEAR(slip, 3 * std::sin(side / 2) * std::cos(angle - k * side), 1e-14);
+      alpha.push_back(slip > 0 ? 1 : 0);
+    }
+    const Eigen::VectorXd y = rightHandSide(form, *model, point, alpha);
+    EXPECT_NEAR(y(3), -limit * std::cos(angle), 1e-14);
+    EXPECT_NEAR(y(4), -limit * std::sin(angle), 1e-14);
+    EXPECT_NEAR(y(5), 2, 1e-14);
+  }
 }
 
 TEST(TimeFreezing, GeneralSwitchesMultiplyTheModes) {

@@ -93,6 +93,46 @@ model Many
 end Many;
 )";
 
+constexpr const char *kPolyhedral = R"(
+model Puck
+  parameter Integer n = 2;
+  coordinate Real q[3];
+  body puck(mass = 1, position = q);
+  contact table(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.1, frictionForm = FrictionForm.Polyhedral, directions = n);
+  friction belt(slip = {der(q[1]) - 1, der(q[2])}, bound = 2, frictionForm = FrictionForm.Relaxed, slipRadius = 0.25);
+end Puck;
+)";
+
+TEST(PiecewiseForm, PolyhedralFrictionHasAFieldForEachCorner) {
+  DerivedModel model(kPolyhedral);
+  TF_ASSERT_DERIVED(model);
+  const FilippovSystem form = timeFreezing(*model);
+  EXPECT_EQ(verify(form, *model), "");
+  const std::string pieces = printPiecewise(form, *model), step = printStep(form, *model);
+  EXPECT_THAT(pieces, HasSubstr("slip of table in direction 2\n"));
+  EXPECT_THAT(pieces, HasSubstr(" - 0.25  slip of belt\n"));
+  EXPECT_THAT(pieces, HasSubstr("= f_aux,n - f_aux,t[1] + f_aux,t[2]  (time is frozen)\n"));
+  EXPECT_THAT(step, HasSubstr("  theta[2] = (1 - alpha[1])*(1 - alpha[2])\n"
+                              "  theta[3] = (1 - alpha[1])*(1 - alpha[2])*alpha[3]\n"));
+  EXPECT_THAT(step, HasSubstr(" + theta[2]*f_aux,n + theta[3]*(-f_aux,t[1]) + theta[4]*f_aux,t[1] + "));
+}
+
+TEST(StewartForm, PolyhedralFrictionBeyondTheLimitIsPrintedPerDirection) {
+  DerivedModel model(R"(
+model Puck
+  coordinate Real q[3];
+  body puck(mass = 1, position = q);
+  contact table(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.1, frictionForm = FrictionForm.Polyhedral, directions = 16);
+end Puck;
+)");
+  TF_ASSERT_DERIVED(model);
+  const FilippovSystem form = timeFreezing(*model);
+  const std::string stewart = printStewart(form, *model);
+  EXPECT_THAT(stewart, HasSubstr("  table: columns c[1], c[2], c[18]\n"));
+  EXPECT_THAT(stewart, HasSubstr("  [ -1 -1  1 ]  f_aux,n - f_aux,t[16]\n"));
+  EXPECT_THAT(printPiecewise(form, *model), HasSubstr("  f_aux,t[16] in Q ∩ {y | c[18] < 0}\n"));
+}
+
 TEST(PiecewiseForm, ManySwitchingFunctionsArePrintedPerContact) {
   DerivedModel model(kMany);
   TF_ASSERT_DERIVED(model);
