@@ -104,7 +104,7 @@ TEST(PolyhedralFriction, SticksAsLongAsThePolygonHoldsTheLoad) {
         EXPECT_NEAR(model["table.frictionForce[1]"], -force * std::cos(direction), 1e-9);
         EXPECT_NEAR(model["table.frictionForce[2]"], -force * std::sin(direction), 1e-9);
       }
-      return std::hypot(model["q[1]"], model["q[2]"]) > 0;
+      return std::hypot(model["q[1]"], model["q[2]"]) > 1e-12;
     };
     EXPECT_FALSE(moves(0.999 * apothem * limit, normal)) << directions;
     EXPECT_TRUE(moves(1.001 * apothem * limit, normal)) << directions;
