@@ -51,6 +51,8 @@ struct Content {
   std::unique_ptr<Simulation> simulation;  // of the latest tf_initialise
   tf_event_callback eventCallback = nullptr;
   void *eventData = nullptr;
+  tf_note_callback noteCallback = nullptr;
+  void *noteData = nullptr;
   bool inEvent = false;  // the event callback is running
   Phase phase = Phase::Setup;
   std::vector<double> values;  // all variables at the current point
@@ -177,6 +179,9 @@ void connectEvents(Content &content) {
   if (content.simulation == nullptr)
     return;
   content.simulation->onEvent = nullptr;
+  content.simulation->onNote = nullptr;
+  if (content.noteCallback != nullptr)
+    content.simulation->onNote = [&content](const tf_note &note) { content.noteCallback(content.noteData, &note); };
   if (content.eventCallback == nullptr)
     return;
   content.simulation->onEvent = [&content](const tf_event &event) {
@@ -416,6 +421,16 @@ tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback cal
     TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
     content.eventCallback = callback;
     content.eventData = data;
+    connectEvents(content);
+    return TF_OK;
+  });
+}
+
+tf_status tf_set_note_callback(tf_simulation *simulation, tf_note_callback callback, void *data) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+    content.noteCallback = callback;
+    content.noteData = data;
     connectEvents(content);
     return TF_OK;
   });

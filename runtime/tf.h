@@ -47,17 +47,34 @@ typedef struct tf_event {
   const double *before, *after; /* q, v, z [nq + nv + nz] */
 } tf_event;
 
+/* What a run has to tell beside its events. */
+typedef enum tf_note_kind {
+  TF_NOTE_INTEGRATOR = 0, /* another integrator goes on: which one and why, "cvode: stiff" */
+  TF_NOTE_REDUNDANT = 1   /* a constraint follows from others: which ones, and where it is declared */
+} tf_note_kind;
+
+typedef struct tf_note {
+  double time, tau;
+  int32_t kind; /* tf_note_kind */
+  const char *text;
+  const double *state; /* q, v, z [nq + nv + nz] */
+} tf_note;
+
 typedef struct tf_statistics {
   long long steps, rejected_steps, evaluations, jacobians, newton_iterations, contact_solves, frozen_phases, breakpoints,
       events[TF_EVENT_COUNT];
   long long cvode_steps, explicit_steps, step_steps;
+  double cvode_time, explicit_time, step_time; /* physical time that each integrator has covered */
+  /* How often another integrator took over: because stability limited the steps of the explicit one; because the tolerance could not be
+   * met; for slips of two components that start from zero, which are stiff at first; for low bounces beside cvode. */
+  long long stiff_changes, failure_changes, launch_changes, bounce_changes;
   double worst_residual; /* of all contact problems, relative to their scale */
   /* Over outputs, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without contacts), largest residual of
    * a constraint or of its rate, largest error of the energy balance relative to the largest energy; and where and when. */
   double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;
   double worst_gap_time, worst_normal_force_time, worst_constraint_time, worst_energy_error_time;
   int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;
-  int32_t redundant_constraints; /* constraint rows that follow from others, at the start */
+  int32_t redundant_constraints; /* constraint rows that follow from others, the most so far */
 } tf_statistics;
 
 typedef struct tf_simulation tf_simulation;
@@ -105,6 +122,10 @@ tf_status tf_get_sensitivity_before(tf_simulation *simulation, size_t column, do
 /* Called at every event, in order. */
 typedef void (*tf_event_callback)(void *data, const tf_event *event);
 tf_status tf_set_event_callback(tf_simulation *simulation, tf_event_callback callback, void *data);
+
+/* Called with every note, in order; the text is valid during the call. The first integrator is no note. */
+typedef void (*tf_note_callback)(void *data, const tf_note *note);
+tf_status tf_set_note_callback(tf_simulation *simulation, tf_note_callback callback, void *data);
 
 /* Evaluates parameters and starts and resolves contacts and an impact at the start time. */
 tf_status tf_initialise(tf_simulation *simulation, double start_time);

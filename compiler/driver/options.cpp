@@ -171,7 +171,7 @@ struct RunSyntax : Syntax {
                   "report the worst penetration, normal force, constraint residual and energy balance; fail where one is too large")
         ->disable_flag_override();
     app->add_flag("--quiet", quiet, "no summary, no progress")->disable_flag_override();
-    app->add_flag("--verbose", verbose, "more about the run: every event, the integrator's work")->disable_flag_override();
+    app->add_flag("--verbose", verbose, "more about the run: every event, which integrators ran and why")->disable_flag_override();
     app->add_flag("--no-cache", noCache, "neither use nor store compiled code")->disable_flag_override();
   }
 

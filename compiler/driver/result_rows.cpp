@@ -16,6 +16,7 @@ bool sameRow(const std::vector<double> &a, const std::vector<double> &b) {
   return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(double)) == 0;
 }
 
+constexpr std::size_t kMostNotes = 100;
 constexpr std::size_t kTime = 0;  // column of every model's table
 
 }  // namespace
@@ -124,6 +125,13 @@ void ResultRows::event(const tf_event &event) {
     write(pending_);
   pending_ = row_;
   isPending_ = true;
+}
+
+void ResultRows::note(const tf_note &note) {
+  if (log_)
+    keep(log_->write(note));
+  if (note.kind != TF_NOTE_INTEGRATOR || (noteEvents_ && notes_.size() < kMostNotes))
+    notes_.push_back({note.time, note.kind, note.text});
 }
 
 void ResultRows::finish() {

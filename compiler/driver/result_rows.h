@@ -19,6 +19,13 @@ struct EventNote {
   std::int32_t kind, element;
 };
 
+// One note of the run.
+struct RunNote {
+  double time;
+  std::int32_t kind;
+  std::string text;
+};
+
 class ResultRows {
 public:
   // Creates the files that `options` names.
@@ -28,6 +35,7 @@ public:
   void point();
   // The event's rows. Called from the simulation.
   void event(const tf_event &event);
+  void note(const tf_note &note);
   // Writes what is pending and closes the files.
   void finish();
 
@@ -35,6 +43,8 @@ public:
   [[nodiscard]] const std::string &error() const { return error_; }
   [[nodiscard]] long long rowCount() const { return rowCount_; }
   [[nodiscard]] const std::vector<EventNote> &events() const { return events_; }
+  // All that concern the model; of changes of the integrator the first ones, with --verbose.
+  [[nodiscard]] const std::vector<RunNote> &notes() const { return notes_; }
 
 private:
   ResultRows(tf_simulation *simulation, const RunOptions &options);
@@ -58,6 +68,7 @@ private:
   std::vector<double> pending_;                   // after an event (--events after), until time goes on
   bool isPending_ = false;
   std::vector<EventNote> events_;
+  std::vector<RunNote> notes_;
   long long rowCount_ = 0;
   std::string error_;
 };

@@ -94,6 +94,7 @@ public:
     report_.origin = prepared.origin;
     report_.isVerbose = options.verbose;
     tf_set_event_callback(simulation_, [](void *data, const tf_event *event) { static_cast<ResultRows *>(data)->event(*event); }, &rows);
+    tf_set_note_callback(simulation_, [](void *data, const tf_note *note) { static_cast<ResultRows *>(data)->note(*note); }, &rows);
   }
 
   // True if the run reached its end or was ended by the model.
@@ -103,6 +104,7 @@ public:
     const double initialised = cpuTime();
     report_.times.initialise = initialised - report_.times.compile;
     if (started != TF_OK && started != TF_TERMINATED) {
+      reportNotes();
       session_.diagnostics.report(diag::InitialisationFailed, {}, tf_error_text(simulation_));
       return false;
     }
@@ -113,6 +115,7 @@ public:
     rows_.finish();
     report_.isTerminated = status == TF_TERMINATED;
     report_.times.simulate = cpuTime() - initialised;
+    reportNotes();
     if (status != TF_OK && status != TF_TERMINATED)
       session_.diagnostics.report(diag::RunFailed, {}, failure);
     if (!rows_.error().empty())
@@ -125,6 +128,12 @@ public:
   [[nodiscard]] const SummaryInput &report() const { return report_; }
 
 private:
+  void reportNotes() {
+    for (const RunNote &note : rows_.notes())
+      if (note.kind == TF_NOTE_REDUNDANT)
+        session_.diagnostics.report(diag::RedundantConstraint, {}, note.text, number(note.time));
+  }
+
   tf_status advance() {
     Progress progress(!options_.quiet, grid_.span.start, grid_.span.stop);
     for (long long k = 1; k <= grid_.count && rows_.error().empty(); ++k) {

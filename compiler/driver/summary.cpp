@@ -58,17 +58,40 @@ std::string eventList(const ResultRows &rows, const tf_model &model) {
   return text;
 }
 
+// Who covered how much of the time, and when and why others took over.
+std::string integrators(const tf_statistics &s, const std::vector<RunNote> &notes) {
+  constexpr int mostLines = 10;
+  const double all = s.explicit_time + s.step_time + s.cvode_time;
+  std::string shares;
+  const auto add = [&](const char *name, double time, long long steps) {
+    if (steps > 0)
+      shares += fmt::format("{}{} {:.3g} % of the time in {} step{}", shares.empty() ? "" : ", ", name, all > 0 ? 100 * time / all : 0,
+                            steps, steps == 1 ? "" : "s");
+  };
+  add("explicit", s.explicit_time, s.explicit_steps);
+  add("step", s.step_time, s.step_steps);
+  add("cvode", s.cvode_time, s.cvode_steps);
+  std::string text = shares.empty() ? "" : "  integrators: " + shares + "\n";
+  int lines = 0;
+  for (const RunNote &note : notes)
+    if (note.kind == TF_NOTE_INTEGRATOR && lines++ < mostLines)
+      text += fmt::format("    from time = {} on {}\n", number(note.time), note.text);
+  if (lines > mostLines)
+    text +=
+        fmt::format("    and more: {} changes to cvode where the explicit one was limited by stability, {} because of the tolerance, {} to "
+                    "step for slips that start, {} for low bounces\n",
+                    s.stiff_changes, s.failure_changes, s.launch_changes, s.bounce_changes);
+  return text;
+}
+
 std::string work(const tf_statistics &s, bool hasContacts) {
   std::string text =
-      fmt::format("  steps: {} step, {} explicit, {} cvode; {} rejected\n"
-                  "  {} evaluations, {} Jacobians, {} Newton iterations, {} contact solves, {} frozen phases with {} breakpoints\n",
-                  s.step_steps, s.explicit_steps, s.cvode_steps, s.rejected_steps, s.evaluations, s.jacobians, s.newton_iterations,
-                  s.contact_solves, s.frozen_phases, s.breakpoints);
+      fmt::format("  {} rejected steps, {} evaluations, {} Jacobians, {} Newton iterations, {} contact solves, {} frozen phases with {} "
+                  "breakpoints\n",
+                  s.rejected_steps, s.evaluations, s.jacobians, s.newton_iterations, s.contact_solves, s.frozen_phases, s.breakpoints);
   if (hasContacts)
     text += fmt::format("  least gap {}, least normal force {}, largest residual {}\n", number(s.worst_gap), number(s.worst_normal_force),
                         number(s.worst_residual));
-  if (s.redundant_constraints > 0)
-    text += fmt::format("  redundant constraints: {}\n", s.redundant_constraints);
   return text;
 }
 
@@ -85,7 +108,7 @@ std::string summary(const SummaryInput &input, const ResultRows &rows) {
                       milliseconds(times.compile + times.initialise + times.simulate), milliseconds(times.compile), input.origin,
                       milliseconds(times.initialise), milliseconds(times.simulate));
   if (input.isVerbose)
-    text += eventList(rows, model) + work(statistics, model.nc > 0);
+    text += eventList(rows, model) + integrators(statistics, rows.notes()) + work(statistics, model.nc > 0);
   return text;
 }
 

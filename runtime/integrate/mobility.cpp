@@ -1,6 +1,7 @@
 #include "runtime/integrate/mobility.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace tf::runtime {
@@ -17,7 +18,7 @@ Mobility::Mobility(int velocities, int constraints)
     : nv_(velocities), nh_(constraints), rank_(constraints), mass_(velocities), jacobian_(velocities, constraints),
       response_(velocities, constraints), half_(velocities, constraints), scaledHalf_(velocities, constraints),
       inertia_(constraints, constraints), scale_(constraints), factor_(constraints), decomposition_(constraints, constraints),
-      redundant_(static_cast<std::size_t>(constraints)), work_(constraints), solution_(constraints), second_(velocities) {
+      work_(constraints), solution_(constraints), second_(velocities) {
   decomposition_.setThreshold(independence * independence);
 }
 
@@ -47,7 +48,6 @@ bool Mobility::setConstraints(const double *jacobian) {
 
 void Mobility::factorise() {
   inertia_.noalias() = jacobian_.transpose() * response_;
-  std::fill(redundant_.begin(), redundant_.end(), static_cast<unsigned char>(0));
   rank_ = nh_;
   factor_.compute(inertia_);
   // The pivots of the Cholesky factor are the independent parts of the rows, in their order.
@@ -58,16 +58,30 @@ void Mobility::factorise() {
     return;
   decomposition_.compute(inertia_);
   rank_ = static_cast<int>(decomposition_.rank());
-  // Which rows add nothing to those before them.
+}
+
+// Cholesky's method in the order of the rows: the pivots of dependent ones vanish. Their coefficients are those of the projection onto the
+// independent rows before them, in the metric of M⁻¹.
+std::vector<DependentRow> Mobility::dependentRows() const {
+  std::vector<DependentRow> dependent;
+  std::vector<int> independent;
   Eigen::MatrixXd rest = inertia_;
   for (int k = 0; k < nh_; ++k) {
-    if (!(rest(k, k) > independence * independence)) {
-      redundant_[static_cast<std::size_t>(k)] = 1;
+    if (rest(k, k) > independence * independence) {
+      const Eigen::VectorXd column = rest.col(k) / std::sqrt(rest(k, k));
+      rest.noalias() -= column * column.transpose();
+      independent.push_back(k);
       continue;
     }
-    const Eigen::VectorXd column = rest.col(k) / std::sqrt(rest(k, k));
-    rest.noalias() -= column * column.transpose();
+    DependentRow row{k, {}};
+    const Eigen::MatrixXd basis = inertia_(independent, independent);
+    const Eigen::VectorXd shares = basis.ldlt().solve(inertia_(independent, std::array{k}));
+    for (std::size_t j = 0; j < independent.size(); ++j)
+      if (std::abs(shares[static_cast<Eigen::Index>(j)]) > independence * shares.lpNorm<Eigen::Infinity>())
+        row.sources.push_back(independent[j]);
+    dependent.push_back(std::move(row));
   }
+  return dependent;
 }
 
 void Mobility::solve(Eigen::VectorXd &residual) const {

@@ -11,6 +11,12 @@
 
 namespace tf::runtime {
 
+// A constraint row that follows from others before it.
+struct DependentRow {
+  int row = 0;
+  std::vector<int> sources;  // independent rows that it is a combination of; none: it moves nothing
+};
+
 class Mobility {
 public:
   // nv velocities, nh constraint rows
@@ -37,8 +43,8 @@ public:
   void constrain(const double *b, double *z, double *scaled) const;
   // Number of independent constraint rows.
   [[nodiscard]] int rank() const { return rank_; }
-  // Row k follows from the others.
-  [[nodiscard]] bool isRedundant(int row) const { return redundant_[static_cast<std::size_t>(row)] != 0; }
+  // The rows that add nothing to those before them: the same ones wherever the same rows depend on each other.
+  [[nodiscard]] std::vector<DependentRow> dependentRows() const;
 
 private:
   void factorise();
@@ -55,7 +61,6 @@ private:
   Eigen::VectorXd scale_;
   Eigen::LLT<Eigen::MatrixXd> factor_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
-  std::vector<unsigned char> redundant_;
   mutable Eigen::VectorXd work_, solution_;
   Eigen::VectorXd second_;
 };

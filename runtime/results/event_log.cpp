@@ -63,17 +63,27 @@ Outcome<std::unique_ptr<EventLog>> EventLog::create(const std::string &path, con
 }
 
 Outcome<void> EventLog::write(const tf_event &event) {
+  return write(event.time, event.tau, eventKindName(static_cast<tf_event_kind>(event.kind)), eventElementName(*model_, event.element),
+               event.before, event.after);
+}
+
+Outcome<void> EventLog::write(const tf_note &note) {
+  return write(note.time, note.tau, note.kind == TF_NOTE_INTEGRATOR ? "integrator" : "redundancy", note.text, note.state, note.state);
+}
+
+Outcome<void> EventLog::write(double time, double tau, std::string_view kind, std::string_view element, const double *before,
+                              const double *after) {
   line_.clear();
-  appendNumber(line_, event.time);
+  appendNumber(line_, time);
   line_ += ',';
-  appendNumber(line_, event.tau);
+  appendNumber(line_, tau);
   line_ += ',';
-  line_ += eventKindName(static_cast<tf_event_kind>(event.kind));
+  line_ += kind;
   line_ += ',';
-  appendCsvField(line_, eventElementName(*model_, event.element));
+  appendCsvField(line_, element);
   const std::int32_t size = model_->nq + model_->nv + model_->nz;
   for (std::int32_t i = 0; i < size; ++i)
-    for (const double *side : {event.before, event.after}) {
+    for (const double *side : {before, after}) {
       line_ += ',';
       appendNumber(line_, side[i]);
     }

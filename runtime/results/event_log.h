@@ -27,10 +27,14 @@ public:
   static Outcome<std::unique_ptr<EventLog>> create(const std::string &path, const tf_model &model);
   // The row is with the operating system on return.
   Outcome<void> write(const tf_event &event);
+  // Kinds "integrator" and "redundancy"; the note's text stands for the element, the state is the same before and after.
+  Outcome<void> write(const tf_note &note);
   Outcome<void> finish();
 
 private:
   EventLog(OutputFile file, const tf_model &model) : file_(std::move(file)), model_(&model) {}
+
+  Outcome<void> write(double time, double tau, std::string_view kind, std::string_view element, const double *before, const double *after);
 
   OutputFile file_;
   const tf_model *model_;

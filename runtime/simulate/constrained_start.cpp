@@ -92,25 +92,45 @@ void ConstrainedStart::solveVelocities(double *state) {
       state[model.nq + i] += change_[i];
 }
 
+// The violated rows, as far as free coordinates or velocities move them, depend on each other: no start satisfies all of them.
+bool ConstrainedStart::contradict(const std::vector<int> &rows, const std::vector<int> &free) const {
+  if (rows.size() < 2 || free.empty())
+    return false;
+  Eigen::MatrixXd moved(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(free.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < free.size(); ++j)
+      moved(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = at_.constraintJacobian[rows[i] * at_.model().nv + free[j]];
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor(moved);
+  factor.setThreshold(1e-6);
+  return factor.rank() > 0 && factor.rank() < static_cast<Eigen::Index>(rows.size());
+}
+
 std::string ConstrainedStart::violation(bool ofVelocities) const {
   const tf_model &model = at_.model();
   double speed = 1;
   for (int i = 0; ofVelocities && i < model.nv; ++i)
     speed = std::max(speed, std::abs(at_.velocities()[i]));
   std::string text;
+  std::vector<int> rows;
   for (int k = 0; k < model.nk; ++k) {
     const tf_constraint &constraint = model.constraints[k];
+    const double allowed = accepted * std::max(1.0, constraint.nominal) * speed;
     double worst = 0;
     for (int row = constraint.row_first; row < constraint.row_first + constraint.row_count; ++row) {
       const double value = ofVelocities ? at_.residualRate[row] : constraint.holonomic != 0 ? at_.residual[row] : 0;
       worst = std::isfinite(value) ? std::max(worst, std::abs(value)) : std::numeric_limits<double>::infinity();
+      if (!(std::abs(value) <= allowed))
+        rows.push_back(row);
     }
-    if (worst <= accepted * std::max(1.0, constraint.nominal) * speed)
+    if (worst <= allowed)
       continue;
     text += fmt::format("{}the start {} constraint '{}' by {:.6g} ({}:{})", text.empty() ? "" : "; ",
                         ofVelocities ? "of the velocities violates" : "violates", constraint.name, worst, constraint.location.file,
                         constraint.location.line);
   }
+  if (contradict(rows, ofVelocities ? freeVelocities_ : freeCoordinates_))
+    return text + (ofVelocities ? "; they contradict each other, whatever the free velocities are"
+                                : "; they contradict each other near the start, whatever the free coordinates are");
   return text.empty() ? text : text + (ofVelocities ? "; der(fixed = false) frees a velocity" : "; fixed = false frees a coordinate");
 }
 

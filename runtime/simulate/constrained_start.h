@@ -17,6 +17,7 @@ public:
 private:
   void solveCoordinates(double *state);
   void solveVelocities(double *state);
+  [[nodiscard]] bool contradict(const std::vector<int> &rows, const std::vector<int> &free) const;
   [[nodiscard]] std::string violation(bool ofVelocities) const;
   // Least change of the free velocities (or of coordinates along them) that makes H x = −residual, into change_.
   void leastChange(const std::vector<double> &residual, const std::vector<int> &free, bool holonomicOnly);

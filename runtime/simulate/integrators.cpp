@@ -5,8 +5,12 @@
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/integrate/radau.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 namespace tf::runtime {
 
@@ -52,7 +56,15 @@ void Integrators::make(const SimulationOptions &options) {
     launch_ = element(std::make_unique<Radau>(n, 4));
   if (wanted_ == TF_CVODE)
     bounces_ = element(std::make_unique<DormandPrince>(n));
-  current_ = primary_.get();
+  use(*primary_, IntegratorReason::Primary);
+  lastKind_.reset();
+}
+
+void Integrators::useForNewMode() {
+  if (launch_ && dynamics_.launches())
+    use(*launch_, IntegratorReason::Launch);
+  else
+    use(*primary_, IntegratorReason::Primary);
 }
 
 SmoothIntegrator *Integrators::fallback() {
@@ -69,14 +81,32 @@ SmoothIntegrator *Integrators::afterFailure() {
 
 SmoothIntegrator *Integrators::forStiffness() { return wanted_ == TF_AUTO && mayFallBack_ && current_->isStiff() ? fallback() : nullptr; }
 
+Integrators::Kind Integrators::currentKind() const {
+  if (current_ == fallback_.get() || (wanted_ == TF_CVODE && primaryIsCurrent()))
+    return Kind::Cvode;
+  return current_ == launch_.get() || primaryIsStep_ ? Kind::Step : Kind::Explicit;
+}
+
 void Integrators::countStep(tf_statistics &statistics) const {
   ++statistics.steps;
-  if (current_ == fallback_.get() || (wanted_ == TF_CVODE && primaryIsCurrent()))
-    ++statistics.cvode_steps;
-  else if (current_ == launch_.get() || primaryIsStep_)
-    ++statistics.step_steps;
-  else
-    ++statistics.explicit_steps;
+  ++*std::array{&statistics.explicit_steps, &statistics.step_steps, &statistics.cvode_steps}[static_cast<std::size_t>(currentKind())];
+}
+
+std::string Integrators::account(double duration, tf_statistics &statistics) {
+  static constexpr std::array<std::string_view, 3> names = {"explicit", "step", "cvode"};
+  static constexpr std::array<std::string_view, 5> reasons = {"a new mode, or the reason for another one is over", "slip starts from zero",
+                                                              "stiff", "the tolerance could not be met", "low bounces"};
+  const Kind kind = currentKind();
+  const auto index = static_cast<std::size_t>(kind);
+  *std::array{&statistics.explicit_time, &statistics.step_time, &statistics.cvode_time}[index] += duration;
+  const bool changes = lastKind_ && *lastKind_ != kind;
+  lastKind_ = kind;
+  if (!changes)
+    return {};
+  if (reason_ != IntegratorReason::Primary)
+    ++*std::array{&statistics.launch_changes, &statistics.stiff_changes, &statistics.failure_changes,
+                  &statistics.bounce_changes}[static_cast<std::size_t>(reason_) - 1];
+  return fmt::format("{}: {}", names[index], reasons[static_cast<std::size_t>(reason_)]);
 }
 
 void Integrators::addStatistics(tf_statistics &statistics) const {

@@ -6,8 +6,19 @@
 #include "runtime/simulate/simulation.h"
 
 #include <memory>
+#include <optional>
+#include <string>
 
 namespace tf::runtime {
+
+// Why an integrator follows the mode.
+enum class IntegratorReason : std::uint8_t {
+  Primary,    // it is the one of the options
+  Launch,     // slips of two components start from zero
+  Stiffness,  // stability limited the steps of the one before
+  Failure,    // the one before could not meet the tolerance
+  LowBounces
+};
 
 class Integrators {
 public:
@@ -16,13 +27,16 @@ public:
   // New ones, none of which has been started; the primary one is the current one.
   void make(const SimulationOptions &options);
   [[nodiscard]] SmoothIntegrator &current() { return *current_; }
-  void use(SmoothIntegrator &integrator) { current_ = &integrator; }
+  void use(SmoothIntegrator &integrator, IntegratorReason reason) {
+    current_ = &integrator;
+    reason_ = reason;
+  }
 
   [[nodiscard]] SmoothIntegrator &primary() { return *primary_; }
   [[nodiscard]] bool primaryIsCurrent() const { return current_ == primary_.get(); }
   // For a mode that begins as the dynamics was started: slips of two components find their direction within instants, in which the
   // tolerance does not see it; collocation, whose stages obey the law of friction exactly, follows them.
-  [[nodiscard]] SmoothIntegrator &forNewMode() { return launch_ && dynamics_.launches() ? *launch_ : *primary_; }
+  void useForNewMode();
   // CVODE starts with steps of low order, which low bounces would consist of. Null: the primary one is as good.
   [[nodiscard]] SmoothIntegrator *forLowBounces() { return bounces_.get(); }
   // The slips that the current one was chosen for are no longer small.
@@ -34,11 +48,16 @@ public:
 
   // Counts a step of the current one.
   void countStep(tf_statistics &statistics) const;
+  // It covered the given time. Returns "cvode: stiff" if the step before was another integrator's, else an empty text.
+  std::string account(double duration, tf_statistics &statistics);
   // Rejected steps, Jacobians and iterations of all.
   void addStatistics(tf_statistics &statistics) const;
 
 private:
+  enum class Kind : std::uint8_t { Explicit, Step, Cvode };
+
   [[nodiscard]] IntegratorSettings settings(const SimulationOptions &options) const;
+  [[nodiscard]] Kind currentKind() const;
   SmoothIntegrator *fallback();
 
   ModeDynamics &dynamics_;
@@ -47,6 +66,8 @@ private:
   tf_integrator wanted_ = TF_AUTO;
   bool primaryIsStep_ = false, mayFallBack_ = false;
   SmoothIntegrator *current_ = nullptr;
+  IntegratorReason reason_ = IntegratorReason::Primary;
+  std::optional<Kind> lastKind_;  // of the last step
 };
 
 }  // namespace tf::runtime

@@ -15,7 +15,7 @@ Simulation::Implementation::Implementation(Simulation &owner, ModelInstance &ins
     : owner_(owner), model_(instance.model()), instance_(instance), inputs_(inputs), at_(model_, inputs), dynamics_(at_),
       selection_(dynamics_), impact_(at_), rest_(dynamics_, selection_), values_(dynamics_), failures_(dynamics_, instance),
       integrators_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_), before_(n_), impulse_(model_.nc),
-      beforeValues_(model_.variable_count) {}
+      beforeValues_(model_.variable_count), redundancy_(at_) {}
 
 tf_status Simulation::Implementation::fail(std::string text) {
   error_ = std::move(text);
@@ -31,8 +31,13 @@ tf_status Simulation::Implementation::failSensitivities(std::string_view where) 
 tf_status Simulation::Implementation::failEvaluation() { return fail(failures_.evaluation()); }
 
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
-void Simulation::Implementation::startIntegrator(SmoothIntegrator &integrator) {
-  integrators_.use(integrator);
+void Simulation::Implementation::startIntegrator() {
+  integrators_.useForNewMode();
+  startCurrent();
+}
+
+void Simulation::Implementation::startCurrent() {
+  SmoothIntegrator &integrator = integrators_.current();
   detection_->setIntegrator(integrator);
   detection_->restart(time_, 0.5 * selection_.velocityTolerance(state_.data()));
   integrator.start(time_, state_.data(), rate_.data(), suggestedStep_);
@@ -40,14 +45,29 @@ void Simulation::Implementation::startIntegrator(SmoothIntegrator &integrator) {
 }
 
 // Another integrator goes on with the mode.
-bool Simulation::Implementation::takeOver(SmoothIntegrator &integrator) {
-  integrators_.use(integrator);
+bool Simulation::Implementation::takeOver(SmoothIntegrator &integrator, IntegratorReason reason) {
+  integrators_.use(integrator, reason);
   detection_->setIntegrator(integrator);
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return false;
   integrator.start(time_, state_.data(), rate_.data(), 0);
   detection_->watchStart();
   return true;
+}
+
+void Simulation::Implementation::note(tf_note_kind kind, double time, const std::string &text) {
+  if (owner_.onNote)
+    owner_.onNote({time, state_[at_.tauIndex()], kind, text.c_str(), state_.data()});
+}
+
+// The evaluation's point is (time_, state_).
+tf_status Simulation::Implementation::checkRedundancy() {
+  for (const std::string &text : redundancy_.newlyRedundant())
+    note(TF_NOTE_REDUNDANT, time_, text);
+  statistics_.redundant_constraints = redundancy_.most();
+  if (std::string text = redundancy_.contradiction(owner_.options.tolerance); !text.empty())
+    return failAt(text);
+  return TF_OK;
 }
 
 void Simulation::Implementation::enterSegment() {
@@ -62,6 +82,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   dynamics_.resetStatistics();
   selection_.resetStatistics();
   invariants_.start();
+  redundancy_.start();
   time_ = startTime;
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
@@ -139,10 +160,9 @@ tf_status Simulation::Implementation::settleStart() {
   }
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
-  statistics_.redundant_constraints = model_.nh - at_.mobility.rank();
   if (impact || std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_PAINLEVE; }))
     report(transitions);
-  return TF_OK;
+  return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 
 // The state becomes that of the end of the integrator's step.
@@ -151,13 +171,18 @@ tf_status Simulation::Implementation::commit() {
   if (energy_)
     energy_->addStep(integrator);
   const bool differentiated = !sensitivities_ || sensitivities_->addStep(integrator);
+  const double begin = time_;
+  if (const std::string text = integrators_.account(integrator.endTime() - begin, statistics_); !text.empty())
+    note(TF_NOTE_INTEGRATOR, begin, text);
   time_ = integrator.endTime();
   std::copy_n(integrator.end(), n_, state_.begin());
   std::copy_n(integrator.endRate(), n_, rate_.begin());
   suggestedStep_ = integrators_.primaryIsCurrent() ? integrator.suggestedStep() : 0;
   if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     observeInvariants();
-  return differentiated ? TF_OK : failSensitivities("the step that ends");
+  if (!differentiated)
+    return failSensitivities("the step that ends");
+  return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 
 // Shorter than any integrator can step: the state moves along its rate.
@@ -189,7 +214,7 @@ tf_status Simulation::Implementation::step(double limit) {
     return TF_OK;
   StepStatus status = integrators_.current().step(limit);
   if (SmoothIntegrator *other = status != StepStatus::Done ? integrators_.afterFailure() : nullptr; other != nullptr) {
-    if (!takeOver(*other))
+    if (!takeOver(*other, IntegratorReason::Failure))
       return failEvaluation();
     status = other->step(limit);
   }
@@ -207,9 +232,9 @@ tf_status Simulation::Implementation::step(double limit) {
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;
   dynamics_.renewDirections(time_, state_.data());
-  if (integrators_.launchIsOver() && !takeOver(integrators_.primary()))
+  if (integrators_.launchIsOver() && !takeOver(integrators_.primary(), IntegratorReason::Primary))
     return failEvaluation();
-  if (SmoothIntegrator *stiff = integrators_.forStiffness(); stiff != nullptr && !takeOver(*stiff))
+  if (SmoothIntegrator *stiff = integrators_.forStiffness(); stiff != nullptr && !takeOver(*stiff, IntegratorReason::Stiffness))
     return failEvaluation();
   return TF_OK;
 }

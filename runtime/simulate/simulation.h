@@ -34,6 +34,7 @@ public:
 
   SimulationOptions options;  // read by initialise
   std::function<void(const tf_event &)> onEvent;
+  std::function<void(const tf_note &)> onNote;
 
   // Evaluates the starts, resolves contacts and an impact at the start time. TF_FAILED: see errorText().
   tf_status initialise(double startTime);

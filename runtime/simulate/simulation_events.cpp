@@ -169,7 +169,8 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
   if (SmoothIntegrator *bounces = integrators_.forLowBounces(); bounces != nullptr && rest_.bouncesLow()) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
-    startIntegrator(*bounces);
+    integrators_.use(*bounces, IntegratorReason::LowBounces);
+    startCurrent();
   }
   return TF_OK;
 }

@@ -10,6 +10,7 @@
 #include "runtime/simulate/integrators.h"
 #include "runtime/simulate/invariants.h"
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/redundancy.h"
 #include "runtime/simulate/rest_prediction.h"
 #include "runtime/simulate/sensitivities.h"
 #include "runtime/simulate/simulation.h"
@@ -63,6 +64,7 @@ public:
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
   Invariants invariants_;
   std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
+  Redundancy redundancy_;
 
 private:
   // What continuation depends on and the parts of the simulation own.
@@ -82,9 +84,11 @@ private:
   tf_status takeStarts();
   tf_status solveStart();
   tf_status settleStart();
-  void startIntegrator(SmoothIntegrator &integrator);
-  void startIntegrator() { startIntegrator(integrators_.forNewMode()); }
-  bool takeOver(SmoothIntegrator &integrator);
+  void startCurrent();
+  void startIntegrator();
+  bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
+  void note(tf_note_kind kind, double time, const std::string &text);
+  tf_status checkRedundancy();
   void enterSegment();
   bool skipTo(double limit);
   tf_status failStep(StepStatus status);

@@ -80,9 +80,10 @@ TEST(Mobility, RedundantRowsAreFoundAndChangeNothing) {
   Mobility mobility(6, 3);
   load(mobility, redundant);
   EXPECT_EQ(mobility.rank(), 2);
-  EXPECT_FALSE(mobility.isRedundant(0));
-  EXPECT_FALSE(mobility.isRedundant(1));
-  EXPECT_TRUE(mobility.isRedundant(2));
+  const std::vector<DependentRow> dependent = mobility.dependentRows();
+  ASSERT_EQ(dependent.size(), 1U);
+  EXPECT_EQ(dependent[0].row, 2);
+  EXPECT_EQ(dependent[0].sources, (std::vector{0, 1}));
   Eigen::VectorXd acceleration(6), multipliers(3);
   mobility.accelerate(redundant.force.data(), redundant.bias.data(), acceleration.data());
   EXPECT_LT((acceleration - expected).norm(), 1e-10);

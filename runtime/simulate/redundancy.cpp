@@ -1,0 +1,80 @@
+#include "runtime/simulate/redundancy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+namespace {
+
+std::string listed(const std::vector<std::string> &names) {
+  std::string text;
+  for (std::size_t k = 0; k < names.size(); ++k)
+    text += (k == 0 ? "" : k + 1 == names.size() ? " and " : ", ") + names[k];
+  return text;
+}
+
+}  // namespace
+
+void Redundancy::start() {
+  reported_.assign(static_cast<std::size_t>(at_.model().nh), false);
+  most_ = 0;
+}
+
+const tf_constraint &Redundancy::constraintOf(int row) const {
+  const tf_model &model = at_.model();
+  return *std::find_if(model.constraints, model.constraints + model.nk,
+                       [row](const tf_constraint &constraint) { return row < constraint.row_first + constraint.row_count; });
+}
+
+std::string Redundancy::nameOf(int row) const {
+  const tf_constraint &constraint = constraintOf(row);
+  return constraint.row_count > 1 ? fmt::format("'{}[{}]'", constraint.name, row - constraint.row_first + 1)
+                                  : fmt::format("'{}'", constraint.name);
+}
+
+std::vector<std::string> Redundancy::newlyRedundant() {
+  std::vector<std::string> texts;
+  const int count = at_.model().nh - at_.mobility.rank();
+  if (count <= most_)
+    return texts;
+  most_ = count;
+  for (const DependentRow &dependent : at_.mobility.dependentRows()) {
+    if (reported_[static_cast<std::size_t>(dependent.row)])
+      continue;
+    reported_[static_cast<std::size_t>(dependent.row)] = true;
+    std::vector<std::string> sources;
+    for (const int source : dependent.sources)
+      sources.push_back(nameOf(source));
+    const tf_location &location = constraintOf(dependent.row).location;
+    texts.push_back(fmt::format("constraint {} {} ({}:{})", nameOf(dependent.row),
+                                sources.empty() ? "moves nothing" : "follows from " + listed(sources),
+                                location.file != nullptr ? location.file : "", location.line));
+  }
+  return texts;
+}
+
+std::string Redundancy::contradiction(double tolerance) {
+  if (!isPresent())
+    return {};
+  const tf_model &model = at_.model();
+  const double accepted = std::max(1e-6, 10 * tolerance);
+  at_.constraintResiduals();
+  std::vector<std::string> names;
+  double worst = 0;
+  for (int row = 0; row < model.nh; ++row) {
+    const double size = std::abs(at_.residual[static_cast<std::size_t>(row)]);
+    if (!(size > accepted * std::max(1.0, constraintOf(row).nominal)))
+      continue;
+    worst = std::max(worst, size);
+    names.push_back(fmt::format("{} ({}:{})", nameOf(row), constraintOf(row).location.file, constraintOf(row).location.line));
+  }
+  return names.empty()
+             ? std::string()
+             : fmt::format("constraint{} {} contradict{} what {} from: the largest residual is {:.6g}", names.size() > 1 ? "s" : "",
+                           listed(names), names.size() > 1 ? "" : "s", names.size() > 1 ? "they follow" : "it follows", worst);
+}
+
+}  // namespace tf::runtime

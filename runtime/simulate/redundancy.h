@@ -1,0 +1,38 @@
+// Constraints that follow from others: which ones, from when on, and whether they agree with what they follow from (theory.md section 1: W
+// has the pseudo-inverse, so that motion goes on whatever the rank of H is).
+#pragma once
+
+#include "runtime/integrate/model_evaluation.h"
+
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+
+class Redundancy {
+public:
+  explicit Redundancy(ModelEvaluation &evaluation) : at_(evaluation) {}
+
+  // A run begins.
+  void start();
+  // Constraint rows depend on each other at the evaluation's point.
+  [[nodiscard]] bool isPresent() const { return at_.mobility.rank() < at_.model().nh; }
+  // Of each row that follows from others for the first time of the run, at the evaluation's point: "constraint 'b' follows from 'a'
+  // (m.tf:7)".
+  std::vector<std::string> newlyRedundant();
+  // Constraints that are not satisfied there: "constraints 'a' and 'b' contradict each other …"; empty where all is well. `tolerance` is
+  // that of the run: what a constraint that is dependent for an instant only has lost by then is no contradiction.
+  std::string contradiction(double tolerance);
+  // The most rows that have followed from others at once.
+  [[nodiscard]] int most() const { return most_; }
+
+private:
+  [[nodiscard]] std::string nameOf(int row) const;
+  [[nodiscard]] const tf_constraint &constraintOf(int row) const;
+
+  ModelEvaluation &at_;
+  std::vector<bool> reported_;  // rows
+  int most_ = 0;
+};
+
+}  // namespace tf::runtime
