@@ -30,9 +30,22 @@ Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instan
     const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, node));
     coefficients_.insert(coefficients_.end(), row.begin(), row.end());
   }
+  const auto full = static_cast<Eigen::Index>(dynamics.size()), rows = static_cast<Eigen::Index>(stages) * n_;
+  const auto count = static_cast<Eigen::Index>(columns.size());
+  slopes_.assign(nodes_.size(), Eigen::MatrixXd(n_, n_));
+  offsets_.assign(nodes_.size(), Eigen::MatrixXd(n_, count));
+  jacobian_.resize(full, full);
+  system_.resize(rows, rows);
+  factor_ = Eigen::PartialPivLU<Eigen::MatrixXd>(rows);
+  right_.resize(rows, count);
+  increments_.resize(rows, count);
+  before_.resize(n_, count);
+  product_.resize(n_, count);
+  still_.assign(static_cast<std::size_t>(n_), 0.0);
+  point_.resize(state_.size());
 }
 
-bool Sensitivities::difference(const std::function<bool(double s, double *values)> &function, double scale, int count, double *derivative) {
+template <class Function> bool Sensitivities::difference(const Function &function, double scale, int count, double *derivative) {
   const double h = differenceStep / scale;
   samples_.resize(5 * static_cast<std::size_t>(count));
   const auto sum = [&](const std::array<double, 5> &places, const std::array<double, 5> &weights) {
@@ -115,7 +128,6 @@ double Sensitivities::scaleOf(const Column &column, const double *direction) con
 // b = ∂f/∂θ at fixed state.
 bool Sensitivities::inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b) {
   bool isGood = true;
-  const std::vector<double> still(static_cast<std::size_t>(n_));
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const Column &column = columns_[k];
     auto target = b.col(static_cast<Eigen::Index>(k));
@@ -129,42 +141,54 @@ bool Sensitivities::inhomogeneity(double time, const double *state, Eigen::Ref<E
       std::copy_n(rate_.begin(), n_, values);
       return true;
     };
-    isGood = difference(rate, scaleOf(column, still.data()), n_, target.data()) && isGood;
+    isGood = difference(rate, scaleOf(column, still_.data()), n_, target.data()) && isGood;
     shift(column, 0);
   }
   return isGood;
 }
 
+// A and b at the Gauss nodes of the integrator's last step.
+bool Sensitivities::sampleStep(SmoothIntegrator &integrator, double begin, double length) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
+    const double time = begin + nodes_[k] * length;
+    integrator.interpolate(time, state_.data());
+    if (!dynamics_.evaluate(time, state_.data(), rate_.data()) || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
+      return false;
+    slopes_[k] = jacobian_.topLeftCorner(n_, n_);
+    if (!inhomogeneity(time, state_.data(), offsets_[k]))
+      return false;
+  }
+  return true;
+}
+
 bool Sensitivities::addStep(SmoothIntegrator &integrator) {
-  const int stages = static_cast<int>(nodes_.size()), full = dynamics_.size();
+  const int stages = static_cast<int>(nodes_.size());
   const double begin = integrator.beginTime(), h = integrator.endTime() - begin;
   if (!(h > 0) || columns_.empty() || n_ == 0)
     return true;
-  std::vector<Eigen::MatrixXd> slopes(nodes_.size(), Eigen::MatrixXd(n_, n_)), offsets(nodes_.size(), Eigen::MatrixXd(n_, columnCount()));
-  Eigen::MatrixXd jacobian(full, full);
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const double time = begin + nodes_[k] * h;
-    integrator.interpolate(time, state_.data());
-    if (!dynamics_.evaluate(time, state_.data(), rate_.data()) || !dynamics_.jacobian(time, state_.data(), jacobian.data()))
-      return false;
-    slopes[k] = jacobian.topLeftCorner(n_, n_);
-    if (!inhomogeneity(time, state_.data(), offsets[k]))
-      return false;
-  }
+  if (!sampleStep(integrator, begin, h))
+    return false;
   // Z_i − h Σ a_ij A_j Z_j = h Σ a_ij (A_j S + b_j)
-  Eigen::MatrixXd system = Eigen::MatrixXd::Identity(stages * n_, stages * n_), right = Eigen::MatrixXd::Zero(stages * n_, columnCount());
-  for (int i = 0; i < stages; ++i)
-    for (int j = 0; j < stages; ++j) {
-      const double a = h * coefficients_[static_cast<std::size_t>(i) * nodes_.size() + static_cast<std::size_t>(j)];
-      const auto node = static_cast<std::size_t>(j);
-      system.block(i * n_, j * n_, n_, n_) -= a * slopes[node];
-      right.middleRows(i * n_, n_) += a * (slopes[node] * matrix_ + offsets[node]);
-    }
-  const Eigen::MatrixXd increments = system.partialPivLu().solve(right);
-  const Eigen::MatrixXd before = matrix_;
+  system_.setIdentity();
+  right_.setZero();
   for (int j = 0; j < stages; ++j) {
     const auto node = static_cast<std::size_t>(j);
-    matrix_ += h * weights_[node] * (slopes[node] * (before + increments.middleRows(j * n_, n_)) + offsets[node]);
+    product_.noalias() = slopes_[node] * matrix_;
+    product_ += offsets_[node];
+    for (int i = 0; i < stages; ++i) {
+      const double a = h * coefficients_[static_cast<std::size_t>(i) * nodes_.size() + node];
+      system_.block(i * n_, j * n_, n_, n_) -= a * slopes_[node];
+      right_.middleRows(i * n_, n_) += a * product_;
+    }
+  }
+  factor_.compute(system_);
+  increments_ = factor_.solve(right_);
+  before_ = matrix_;
+  for (int j = 0; j < stages; ++j) {
+    const auto node = static_cast<std::size_t>(j);
+    increments_.middleRows(j * n_, n_) += before_;
+    product_.noalias() = slopes_[node] * increments_.middleRows(j * n_, n_);
+    matrix_ += h * weights_[node] * (product_ + offsets_[node]);
   }
   return matrix_.allFinite();
 }
@@ -174,7 +198,7 @@ bool Sensitivities::beginEvent(double time, const double *state, const double *r
   if (guard < 0)
     return true;
   std::copy_n(state, state_.size(), state_.begin());
-  std::vector<double> point(state_.size());
+  std::vector<double> &point = point_;
   // The guard along (δt, δy, δθ).
   const auto along = [&](double timeChange, const double *direction, const Column *column, double scale, double &derivative) {
     const auto value = [&](double s, double *values) {
@@ -228,7 +252,7 @@ bool Sensitivities::propagate(const Map &map, double time, const double *state) 
 bool Sensitivities::differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time,
                                   const double *state, int column, int count, double *derivative) {
   std::copy_n(state, state_.size(), state_.begin());
-  std::vector<double> point(state_.size());
+  std::vector<double> &point = point_;
   const double *direction = matrix_.col(column).data();
   const Column &moved = columns_[static_cast<std::size_t>(column)];
   const auto function = [&](double s, double *result) {

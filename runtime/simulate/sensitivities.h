@@ -55,8 +55,9 @@ private:
   // Sets parameters and inputs to those at θ + s δθ; s = 0 restores them.
   void shift(const Column &column, double s);
   // d/ds at s = 0 of `function`(s, values), by central differences, or one-sided ones where one side cannot be evaluated.
-  bool difference(const std::function<bool(double s, double *values)> &function, double scale, int count, double *derivative);
+  template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
+  bool sampleStep(SmoothIntegrator &integrator, double begin, double length);
   bool inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b);
 
   ModeDynamics &dynamics_;
@@ -69,6 +70,11 @@ private:
   Eigen::VectorXd eventTime_;                 // δt of each column
   std::vector<double> state_, rate_, samples_;
   std::vector<double> nodes_, weights_, coefficients_;  // of the Gauss method
+  // workspaces of addStep: A and b at the nodes, the Jacobian with τ, the stages' system, its right-hand side and solution
+  std::vector<Eigen::MatrixXd> slopes_, offsets_;
+  Eigen::MatrixXd jacobian_, system_, right_, increments_, before_, product_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  std::vector<double> still_, point_;
 };
 
 }  // namespace tf::runtime
