@@ -277,6 +277,22 @@ int ModeDynamics::jammedContact() {
   return -1;
 }
 
+bool ModeDynamics::stop(double time, double *state) {
+  if (!evaluate(time, state, plus_.data()))
+    return false;
+  if (rows_.count() == 0)
+    return true;
+  const tf_model &model = at_.model();
+  const int normals = rows_.normalCount();
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  for (int i = 0; i < rows_.count(); ++i)
+    rowChange_[i] = i < normals ? at_.gapRate[rows_.contacts()[i]] : rows_.tangentValue(at_.slip.data(), 1, i - normals);
+  std::fill(limitChange_.begin(), limitChange_.end(), 0.0);
+  forces_.forceRates(rowChange_, limitChange_, forceChange_);
+  rows_.accelerate(forceChange_.data(), state + model.nq);
+  return true;
+}
+
 double ModeDynamics::frictionPower() {
   double power = 0;
   if (rows_.tangents().empty())

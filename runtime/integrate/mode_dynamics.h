@@ -104,6 +104,9 @@ public:
   // `slow`: slips of one body stop together.
   double projectStop(double *state, const double *scale, int stopped, double slow);
   [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
+  // Adds to the velocities of (time, state) what the mode's impulses do that take gap rates and slips of its active rows to zero, with the
+  // friction of rows that slip: a motion that came to rest a little off another one, for derivatives of it.
+  bool stop(double time, double *state);
 
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }

@@ -84,7 +84,6 @@ bool RestPrediction::recordImpact(double time, const double *before) {
 // All contacts and their tangential rows, with gaps and velocities at the state. False where friction has two directions.
 bool RestPrediction::chooseRows(double time, const double *state) {
   const tf_model &model = at_.model();
-  const Mode &mode = dynamics_.mode();
   at_.setPoint(time, state);
   const std::vector<std::uint8_t> all(model.nc + model.nf, 1);
   at_.contactTerms(all.data());
@@ -104,20 +103,33 @@ bool RestPrediction::chooseRows(double time, const double *state) {
       tangents.push_back(j);
   problem_.resize(model.nc, static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);
-  const double still = selection_.velocityTolerance(state);
+  if (!isDisplaced_)
+    classify(state, tangents);
   for (int i = 0; i < model.nc; ++i) {
-    const bool touches = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
-    problem_.gap[i] = touches ? 0 : at_.gap[i];
-    problem_.velocity[i] = mode.closed[i] || (touches && std::abs(at_.gapRate[i]) <= still) ? 0 : at_.gapRate[i];
+    problem_.gap[i] = touches_[i] ? 0 : at_.gap[i];
+    problem_.velocity[i] = stands_[i] ? 0 : at_.gapRate[i];
     problem_.rate[i] = at_.rate[i];
     problem_.restitution[i] = at_.restitution[i];
     problem_.law[i] = static_cast<ImpactLaw>(model.contacts[i].law);
   }
-  for (std::size_t j = 0; j < tangents.size(); ++j) {
-    const double slip = at_.slip[tangents[j]];
-    problem_.velocity[model.nc + j] = mode.tangent[tangents[j]] == Tangent::Stick || std::abs(slip) <= still ? 0 : slip;
-  }
+  for (std::size_t j = 0; j < tangents.size(); ++j)
+    problem_.velocity[model.nc + j] = stands_[model.nc + j] ? 0 : at_.slip[tangents[j]];
   return true;
+}
+
+// What is zero at the state but for rounding.
+void RestPrediction::classify(const double *state, const std::vector<int> &tangents) {
+  const tf_model &model = at_.model();
+  const Mode &mode = dynamics_.mode();
+  const double still = selection_.velocityTolerance(state);
+  touches_.assign(model.nc, 0);
+  stands_.assign(static_cast<std::size_t>(model.nc) + tangents.size(), 0);
+  for (int i = 0; i < model.nc; ++i) {
+    touches_[i] = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
+    stands_[i] = mode.closed[i] || (touches_[i] && std::abs(at_.gapRate[i]) <= still);
+  }
+  for (std::size_t j = 0; j < tangents.size(); ++j)
+    stands_[model.nc + j] = mode.tangent[tangents[j]] == Tangent::Stick || std::abs(at_.slip[tangents[j]]) <= still;
 }
 
 // D and φ at the positions of the state and these velocities.
@@ -139,10 +151,10 @@ bool RestPrediction::evaluateCoefficients(double time, const std::vector<double>
 void RestPrediction::stopTouching(std::vector<double> &state) {
   std::vector<Eigen::Index> moving;
   for (int i = 0; i < problem_.normalCount; ++i)
-    if (problem_.gap[i] == 0)
+    if (touches_[i])
       moving.push_back(i);
   for (int j = 0; j < problem_.tangentCount; ++j)
-    if (const int owner = problem_.owner[j]; owner >= 0 && problem_.gap[owner] == 0 && problem_.velocity[problem_.normalCount + j] == 0)
+    if (const int owner = problem_.owner[j]; owner >= 0 && touches_[owner] && stands_[problem_.normalCount + j])
       moving.push_back(problem_.normalCount + j);
   const Eigen::Map<const Eigen::VectorXd> velocity(problem_.velocity.data(), problem_.count());
   const Eigen::MatrixXd D = problem_.delassus.map()(moving, moving);
@@ -211,6 +223,29 @@ bool RestPrediction::predict(double time, const double *state, Prediction &predi
   return true;
 }
 
+// How the prediction moves with the sensitivities; false where it ends in another way nearby.
+bool RestPrediction::differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction) {
+  const int n = sensitivities.size(), count = n + 2;
+  Prediction displaced;
+  const auto values = [&](double at, double *point, double *result) {
+    if (!predict(at, point, displaced) || displaced.point.contacts != prediction.point.contacts ||
+        displaced.point.sticking != prediction.point.sticking)
+      return false;
+    std::copy_n(displaced.point.state.begin(), n, result);
+    result[n] = displaced.point.time;
+    result[n + 1] = displaced.remaining;
+    return true;
+  };
+  prediction.derivatives.resize(static_cast<std::size_t>(count) * sensitivities.columnCount());
+  isDisplaced_ = true;
+  bool isGood = true;
+  for (int column = 0; column < sensitivities.columnCount() && isGood; ++column)
+    isGood = sensitivities.differentiate(values, time, state, column, count,
+                                         prediction.derivatives.data() + static_cast<std::ptrdiff_t>(count) * column);
+  isDisplaced_ = false;
+  return isGood;
+}
+
 // Predictions of another point, or of an earlier course of the motion, are dropped.
 void RestPrediction::add(Prediction prediction) {
   if (!predictions_.empty() && (predictions_.back().point.contacts != prediction.point.contacts ||
@@ -248,6 +283,7 @@ bool RestPrediction::extrapolate(double tolerance, const double *scale) {
     if (m > 1 && difference(now, previous) < error) {
       error = difference(now, previous);
       best = now;
+      extrapolatedFrom_ = m;
     }
     previous = std::move(now);
   }
@@ -258,6 +294,45 @@ bool RestPrediction::extrapolate(double tolerance, const double *scale) {
   point_ = predictions_.back().point;
   point_.time = best[n];
   std::copy_n(best.begin(), n, point_.state.begin());
+  return true;
+}
+
+// Of (q, v, z) and time at the point extrapolated from the latest `predictions`, by each sensitivity: of the values and of the weights.
+std::vector<double> RestPrediction::extrapolatedDerivatives(std::size_t predictions, int columns) const {
+  constexpr double step = 1e-3;
+  const int n = at_.tauIndex(), count = n + 2;
+  const auto m = static_cast<Eigen::Index>(predictions);
+  const Prediction *first = predictions_.data() + (predictions_.size() - predictions);
+  Eigen::VectorXd x(m), change(m);
+  for (Eigen::Index k = 0; k < m; ++k)
+    x(k) = first[k].remaining;
+  const Eigen::VectorXd weights = extrapolationWeights(x);
+  std::vector<double> all;
+  for (int column = 0; column < columns; ++column) {
+    for (Eigen::Index k = 0; k < m; ++k)
+      change(k) = first[k].derivatives[static_cast<std::size_t>(count) * column + n + 1];
+    const double h = step / std::max(change.cwiseQuotient(x).lpNorm<Eigen::Infinity>(), 1e-300);
+    const auto shifted = [&](double s) { return extrapolationWeights(x + s * h * change); };
+    const Eigen::VectorXd turn = (8 * (shifted(1) - shifted(-1)) - (shifted(2) - shifted(-2))) / (12 * h);
+    for (int i = 0; i <= n; ++i) {
+      double sum = 0;
+      for (Eigen::Index k = 0; k < m; ++k)
+        sum += weights(k) * first[k].derivatives[static_cast<std::size_t>(count) * column + i] +
+               turn(k) * (i < n ? first[k].point.state[i] : first[k].point.time);
+      all.push_back(sum);
+    }
+  }
+  return all;
+}
+
+// The derivatives are as well known as differences allow: with one prediction fewer they are nearly the same.
+bool RestPrediction::derivativesAgree(double tolerance, int columns) {
+  const double accepted = std::max(1e-6, 100 * tolerance);
+  point_.derivatives = extrapolatedDerivatives(extrapolatedFrom_, columns);
+  const std::vector<double> fewer = extrapolatedDerivatives(extrapolatedFrom_ - 1, columns);
+  for (std::size_t k = 0; k < fewer.size(); ++k)
+    if (!(std::abs(point_.derivatives[k] - fewer[k]) <= accepted * std::max(1.0, std::abs(fewer[k]))))
+      return false;
   return true;
 }
 
@@ -280,13 +355,13 @@ bool RestPrediction::nothingElseHappens() {
   return true;
 }
 
-const RestPoint *RestPrediction::afterImpact(double time, const double *before, const double *state, double tolerance,
-                                             const double *scale) {
+const RestPoint *RestPrediction::afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale,
+                                             Sensitivities *sensitivities) {
   const double previousImpact = lastImpact_;
   if (!recordImpact(time, before))
     return nullptr;
   Prediction prediction;
-  if (!predict(time, state, prediction)) {
+  if (!predict(time, state, prediction) || (sensitivities != nullptr && !differentiate(time, state, *sensitivities, prediction))) {
     forget();
     nextAttempt_ = time + 4 * (time - previousImpact);
     return nullptr;
@@ -294,6 +369,8 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
   nextAttempt_ = time + (1 - nextShare) * prediction.remaining;
   add(std::move(prediction));
   if (!extrapolate(tolerance, scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())
+    return nullptr;
+  if (sensitivities != nullptr && !derivativesAgree(tolerance, sensitivities->columnCount()))
     return nullptr;
   return &point_;
 }

@@ -7,6 +7,7 @@
 
 #include "runtime/contact/impact_sequence.h"
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/sensitivities.h"
 
 #include <vector>
 
@@ -15,11 +16,12 @@ namespace tf::runtime {
 // Where contacts come to rest.
 struct RestPoint {
   double time = 0;
-  std::vector<double> state;    // q, v, z, tau, to the tolerance; the contacts' gaps and rates may be off by as much
-  std::vector<int> contacts;    // of the model: those that come to rest, ascending
-  std::vector<int> sticking;    // tangential rows of closed contacts whose slip is zero there
-  std::vector<double> impulse;  // nc: normal impulses of the impacts on the way
-  double boundaryWork = 0;      // of moving boundaries and of friction between the impacts, on the way, to O(T²)
+  std::vector<double> state;        // q, v, z, tau, to the tolerance; the contacts' gaps and rates may be off by as much
+  std::vector<int> contacts;        // of the model: those that come to rest, ascending
+  std::vector<int> sticking;        // tangential rows of closed contacts whose slip is zero there
+  std::vector<double> impulse;      // nc: normal impulses of the impacts on the way
+  std::vector<double> derivatives;  // of (q, v, z) and time by each sensitivity, where they are asked for
+  double boundaryWork = 0;          // of moving boundaries and of friction between the impacts, on the way, to O(T²)
   double frictionWork = 0;
 };
 
@@ -34,7 +36,9 @@ public:
 
   // After an impact at `time` that has led from the state `before` to `state`; the dynamics is in the mode that follows. The point of rest
   // where it is known to `tolerance` (relative to max(scale, |y|), [n]), else null. The pointer is valid until the next call.
-  const RestPoint *afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale);
+  // `sensitivities` (may be null) are those along the impact, whose time moves; their point of rest must be known as well.
+  const RestPoint *afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale,
+                               Sensitivities *sensitivities);
 
   // The contacts of the last impact have become slow, compared with their fastest impacts.
   [[nodiscard]] bool bouncesLow() const { return bouncesLow_; }
@@ -48,18 +52,23 @@ private:
   struct Prediction {
     double remaining = 0;  // T
     RestPoint point;
+    std::vector<double> derivatives;  // of (q, v, z), time and T by each sensitivity
   };
 
   void forget();
   bool recordImpact(double time, const double *before);
   bool chooseRows(double time, const double *state);
+  void classify(const double *state, const std::vector<int> &tangents);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);
   void measureWork(const AccumulationPoint &end, const double *velocities, RestPoint &point) const;
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
   bool predict(double time, const double *state, Prediction &prediction);
+  bool differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction);
   void add(Prediction prediction);
   bool extrapolate(double tolerance, const double *scale);
+  [[nodiscard]] std::vector<double> extrapolatedDerivatives(std::size_t predictions, int columns) const;
+  bool derivativesAgree(double tolerance, int columns);
   [[nodiscard]] bool isSlow() const;
   bool nothingElseHappens();
 
@@ -69,10 +78,13 @@ private:
   RowSystem rows_;
   SequenceProblem problem_;
   ImpactSequence sequence_;
-  std::vector<Prediction> predictions_;  // the latest last, T falling
-  RestPoint point_;                      // extrapolated
-  std::vector<double> extrapolated_;     // its state and time; empty where there is none
-  std::vector<double> fastest_, last_;   // nc: approach speeds of impacts, the greatest and the last one
+  std::vector<std::uint8_t> touches_, stands_;  // contacts with gap 0; contacts, then tangential rows, with velocity 0
+  bool isDisplaced_ = false;                    // near the point that they were found at: they are kept
+  std::vector<Prediction> predictions_;         // the latest last, T falling
+  std::size_t extrapolatedFrom_ = 0;            // how many predictions the best extrapolation takes
+  RestPoint point_;                             // extrapolated
+  std::vector<double> extrapolated_;            // its state and time; empty where there is none
+  std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
   bool bouncesLow_ = false;
   double impacts_ = 0;                       // number
   double lastImpact_ = 0, nextAttempt_ = 0;  // times

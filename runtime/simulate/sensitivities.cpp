@@ -101,6 +101,7 @@ void Sensitivities::start(double time) {
   for (Column &column : columns_)
     makeColumn(column, time);
   eventTime_.setZero();
+  lastEventTime_ = eventTime_;
 }
 
 void Sensitivities::shift(const Column &column, double s) {
@@ -270,7 +271,19 @@ bool Sensitivities::differentiate(const std::function<bool(double time, double *
 
 void Sensitivities::endEvent(const double *rate) {
   matrix_ -= Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
+  lastEventTime_ = eventTime_;
   eventTime_.setZero();
+}
+
+void Sensitivities::reopenEvent(const double *rate) {
+  eventTime_ = lastEventTime_;
+  matrix_ += Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
+}
+
+void Sensitivities::setEvent(const double *derivatives) {
+  const Eigen::Map<const Eigen::MatrixXd> all(derivatives, n_ + 1, columnCount());
+  matrix_ = all.topRows(n_);
+  eventTime_ = all.row(n_);
 }
 
 }  // namespace tf::runtime

@@ -35,10 +35,16 @@ public:
   bool propagate(const Map &map, double time, const double *state);
   // The run goes on with the rate f⁺.
   void endEvent(const double *rate);
+  // Back to before endEvent, with the rate f⁺ that it was told: S along the event, whose time moves with θ.
+  void reopenEvent(const double *rate);
+  // An event elsewhere, where it is known how its state (q, v, z) and time move with θ: columnCount() times (n, 1) numbers.
+  void setEvent(const double *derivatives);
   // Derivative of values (count of them) at (time, state): `values` is evaluated at neighbouring points. Into `derivative` [count].
   bool differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time, const double *state,
                      int column, int count, double *derivative);
 
+  // Number of (q, v, z).
+  [[nodiscard]] int size() const { return n_; }
   [[nodiscard]] int columnCount() const { return static_cast<int>(columns_.size()); }
   // ∂(q, v, z)/∂θ_column
   [[nodiscard]] const double *column(int column) const { return matrix_.col(column).data(); }
@@ -68,6 +74,7 @@ private:
   std::vector<double> parameters_, shifted_;  // at θ; at the point that is evaluated
   Eigen::MatrixXd matrix_;                    // n × columns
   Eigen::VectorXd eventTime_;                 // δt of each column
+  Eigen::VectorXd lastEventTime_;             // of the event that ended last
   std::vector<double> state_, rate_, samples_;
   std::vector<double> nodes_, weights_, coefficients_;  // of the Gauss method
   // workspaces of addStep: A and b at the nodes, the Jacobian with τ, the stages' system, its right-hand side and solution

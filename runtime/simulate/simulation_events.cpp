@@ -8,6 +8,20 @@
 
 namespace tf::runtime {
 
+namespace {
+
+// A slip of two components has come to zero. Where the one along its direction does, a slip nearby still has one across, which ends within
+// an instant of the same order.
+bool slipStops(const tf_model &model, const Mode &from, const Mode &to) {
+  const std::vector<int> pair = pairsOfTangents(model);
+  for (int row = 0; row < model.nt; ++row)
+    if (pair[row] == row && to.tangent[row] == Tangent::Stick && from.tangent[row] == Tangent::SlipPositive)
+      return true;
+  return false;
+}
+
+}  // namespace
+
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
   const Mode previous = mode_;
@@ -46,6 +60,11 @@ tf_status Simulation::Implementation::enterMode(Selection &selection, const Mode
   if (selection.indeterminate)
     transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
   compareModes(model_, previous, mode_, transitions);
+  if (sensitivities_ && slipStops(model_, previous, mode_)) {
+    const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
+    if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failSensitivities("the end of a slip");
+  }
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());
   startIntegrator();
@@ -162,8 +181,12 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
 }
 
 tf_status Simulation::Implementation::afterImpact(double limit) {
-  const RestPoint *rest =
-      rest_.afterImpact(time_, before_.data(), state_.data(), owner_.options.tolerance, integrators_.current().settings().scale.data());
+  if (sensitivities_)
+    sensitivities_->reopenEvent(rate_.data());
+  const RestPoint *rest = rest_.afterImpact(time_, before_.data(), state_.data(), owner_.options.tolerance,
+                                            integrators_.current().settings().scale.data(), sensitivities_.get());
+  if (sensitivities_)
+    sensitivities_->endEvent(rate_.data());
   if (rest != nullptr && rest->time <= limit)
     return comeToRest(*rest);
   if (SmoothIntegrator *bounces = integrators_.forLowBounces(); bounces != nullptr && rest_.bouncesLow()) {
@@ -177,8 +200,6 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
 
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
-  if (sensitivities_)
-    return failSensitivities("infinitely many impacts");
   const double lastImpact = time_;
   const std::vector<double> afterImpact = state_;
   time_ = point.time;
@@ -195,6 +216,18 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     dynamics_.start(resting, time_, state_.data());
     if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) < 1e-14)
       break;
+  }
+  if (sensitivities_) {
+    const double *scale = integrators_.current().settings().scale.data();
+    const auto project = [&](double time, double *state) {
+      if (!dynamics_.evaluate(time, state, rate_.data()))
+        return false;
+      dynamics_.project(state, scale);
+      return true;
+    };
+    sensitivities_->setEvent(point.derivatives.data());
+    if (!sensitivities_->propagate(project, time_, state_.data()))
+      return failSensitivities("infinitely many impacts");
   }
   if (energy_)
     energy_->addImpacts(lastImpact, afterImpact.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
