@@ -154,6 +154,126 @@ end Pendulum;
   EXPECT_NEAR(-2 * model["rod.multiplier"] - model["again.multiplier"], 2 * (speed - gravity * y), 1e-7);
 }
 
+struct Note {
+  double time;
+  int kind;
+  std::string text;
+};
+
+std::vector<Note> &collectNotes(CompiledModel &model, std::vector<Note> &notes) {
+  const auto append = [](void *data, const tf_note *note) {
+    static_cast<std::vector<Note> *>(data)->push_back({note->time, note->kind, note->text});
+  };
+  EXPECT_EQ(tf_set_note_callback(model.simulation(), append, &notes), TF_OK);
+  return notes;
+}
+
+// y − z = 0 twice, x + y − z = 1 beside x = 1: two of the four rows follow from those declared before them.
+TEST(RedundantConstraints, AreNamedWithWhatTheyFollowFrom) {
+  CompiledModel model(sourceFile("redundant.tf", R"(model Redundant
+  coordinate Real x(start = 1), y, z, w;
+  body ball(mass = 1, position = {x, y, z});
+  body other(mass = 3, position = w);
+  constraint first(residual = y - z);
+  constraint second(residual = {w, 2*z - 2*y});
+  constraint third(residual = x - 1);
+  constraint fourth(residual = x + y - z - 1);
+end Redundant;
+)"));
+  std::vector<Note> notes;
+  collectNotes(model, notes);
+  model.tolerance(1e-9).initialise();
+  model.advance(1);
+  ASSERT_EQ(notes.size(), 2U);
+  EXPECT_EQ(notes[0].kind, TF_NOTE_REDUNDANT);
+  EXPECT_EQ(notes[0].text.find("constraint 'second[2]' follows from 'first' ("), 0U) << notes[0].text;
+  EXPECT_NE(notes[0].text.find("redundant.tf:6)"), std::string::npos) << notes[0].text;
+  EXPECT_EQ(notes[1].text.find("constraint 'fourth' follows from 'first' and 'third' ("), 0U) << notes[1].text;
+  EXPECT_EQ(tf_get_statistics(model.simulation())->redundant_constraints, 2);
+}
+
+// Each is named once, whatever happens to the rank afterwards.
+TEST(RedundantConstraints, AreNamedOnce) {
+  CompiledModel model(sourceFile("named_once.tf", R"(model Once
+  coordinate Real x(start = -1, der(start = 1)), y;
+  body ball(mass = 1, position = {x, y});
+  constraint line(residual = y);
+  constraint scaled(residual = y*(1 + x^2));
+  contact wall(gap = 0.5 - x, restitution = 1);
+end Once;
+)"));
+  std::vector<Note> notes;
+  collectNotes(model, notes);
+  model.tolerance(1e-9).initialise();
+  model.advance(2);
+  ASSERT_EQ(notes.size(), 1U);
+  EXPECT_EQ(notes[0].time, 0);
+  EXPECT_NEAR(model["x"], 0, 1e-9);
+}
+
+TEST(RedundantConstraints, ThatContradictEachOtherEndTheRun) {
+  CompiledModel model(sourceFile("contradiction.tf", R"(model Contradiction
+  coordinate Real x, y;
+  body ball(mass = 1, position = {x, y});
+  constraint still(residual = x);
+  constraint moving(residual = 2*x - time^3);
+end Contradiction;
+)"));
+  model.tolerance(1e-9).initialise();
+  try {
+    model.advance(1);
+    FAIL() << "the run goes on";
+  } catch (const std::exception &error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("'still' ("), std::string::npos) << text;
+    EXPECT_NE(text.find("'moving' ("), std::string::npos) << text;
+    EXPECT_NE(text.find("contradict"), std::string::npos) << text;
+  }
+}
+
+TEST(ConstrainedStarts, ThatContradictEachOtherAreNamed) {
+  CompiledModel model(sourceFile("contradicting_start.tf", R"(model Start
+  coordinate Real x(fixed = false), y;
+  body ball(mass = 1, position = {x, y});
+  constraint one(residual = x);
+  constraint two(residual = x - 1);
+end Start;
+)"));
+  try {
+    model.initialise();
+    FAIL() << "the start is accepted";
+  } catch (const std::exception &error) {
+    const std::string text = error.what();
+    EXPECT_NE(text.find("violates constraint 'one' by 0.5"), std::string::npos) << text;
+    EXPECT_NE(text.find("violates constraint 'two' by 0.5"), std::string::npos) << text;
+    EXPECT_NE(text.find("contradict each other"), std::string::npos) << text;
+  }
+}
+
+// A stiff spring beside a soft one: the explicit pair starts, CVODE takes over, and the times of both add up.
+TEST(Integrators, SayWhoRanAndWhy) {
+  CompiledModel model(sourceFile("stiff.tf", R"(model Stiff
+  coordinate Real x(start = 1), y(start = 1);
+  body a(mass = 1, position = x);
+  body b(mass = 1, position = y);
+  force soft(value = -x, at = x);
+  force stiff(value = -1e4*der(y) - 1e4*(y - x), at = y);
+end Stiff;
+)"));
+  std::vector<Note> notes;
+  collectNotes(model, notes);
+  model.tolerance(1e-6).initialise();
+  model.advance(10);
+  ASSERT_FALSE(notes.empty());
+  EXPECT_EQ(notes[0].kind, TF_NOTE_INTEGRATOR);
+  EXPECT_EQ(notes[0].text, "cvode: stiff");
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_EQ(statistics.stiff_changes, 1);
+  EXPECT_NEAR(statistics.explicit_time, notes[0].time, 1e-12);
+  EXPECT_NEAR(statistics.explicit_time + statistics.cvode_time, 10, 1e-9);
+  EXPECT_EQ(statistics.step_time, 0);
+}
+
 TEST(ConstrainedStarts, ThatViolateAConstraintNameIt) {
   CompiledModel model(sourceFile("pendulum_off_its_circle.tf", R"(model Pendulum
   coordinate Real x(start = 1.1), y;

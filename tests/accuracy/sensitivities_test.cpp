@@ -2,6 +2,7 @@
 #include "tests/accuracy/compiled_model.h"
 
 #include <cmath>
+#include <functional>
 #include <gtest/gtest.h>
 #include <ostream>
 
@@ -64,7 +65,81 @@ struct Case {
   double value;
 };
 
-std::ostream &operator<<(std::ostream &out, const Case &c) { return out << c.file << " by " << c.name << " at " << c.time; }
+std::ostream &operator<<(std::ostream &out, const Case &c) {
+  return out << std::string(c.file).substr(0, std::string(c.file).find('\n')) << " by " << c.name << " at " << c.time;
+}
+
+constexpr const char *kBall = R"(model Ball "with backspin"
+  parameter Real r = 0.1, m = 1, mu = 0.2, vx = 3, wy = -60, wz = 10, h = 0, e = 0;
+  coordinate Real p[3](start = {0, 0, 0.1 + h}, der(start = {vx, 1, 0}));
+  coordinate Rotation R(w(start = {5, wy, wz}));
+  body ball(mass = m, position = p, orientation = R, inertia = 0.4*m*r^2*identity(3));
+  gravity weight(acceleration = {0, 0, -9.81});
+  Real w[3] = R*R.w;
+  contact floor(gap = p[3] - r, slip = {der(p[1]) - w[2]*r, der(p[2]) + w[1]*r}, friction = mu, restitution = e);
+end Ball;
+)";
+constexpr const char *kPuck = R"(model Puck "on springs, drawn to and fro: slips, turns, sticks and slips again"
+  parameter Real mu = 0.3, speed = 2, angle = 0.4, pull = 1, k = 1;
+  coordinate Real q[3](start = {0, 0, 0}, der(start = {speed*cos(angle), speed*sin(angle), 0}));
+  body puck(mass = 2, position = q);
+  gravity weight(acceleration = {0, 0, -9.81});
+  force f(value = {pull*sin(3*time) - k*q[1], -k*q[2]}, at = q[1:2]);
+  contact table(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = mu);
+end Puck;
+)";
+constexpr const char *kTop = R"(model Top
+  parameter Real a = 0.3, wx = 1, g = 9.81;
+  coordinate Rotation R(start = {cos(a/2), sin(a/2), 0, 0}, w(start = {wx, 2, 8}));
+  body top(mass = 1, position = R*{0, 0, 0.5}, orientation = R, inertia = {{0.1, 0, 0}, {0, 0.2, 0}, {0, 0, 0.15}});
+  gravity weight(acceleration = {0, 0, -g});
+end Top;
+)";
+constexpr const char *kHeld =
+    R"(model Held "a body in space, held at a point of its own by a constraint; another point strikes a rough wall"
+  parameter Real mu = 0.3, e = 0.4, wx = 1, side = 0.3, g = 9.81;
+  coordinate Real p[3](start = {0, 0, -0.5}, der(start = {0.25, -0.5*wx, 0}));
+  coordinate Rotation R(w(start = {wx, 0.5, 1}));
+  body stone(mass = 1.5, position = p, orientation = R, inertia = {{0.1, 0.01, 0}, {0.01, 0.2, 0}, {0, 0, 0.15}});
+  gravity weight(acceleration = {0, 0, -g});
+  constraint pivot(residual = p + R*{0, 0, 0.5});
+  Real tip[3] = p + R*{0.1, 0, -0.2};
+  contact wall(gap = side - tip[2], slip = der(tip[1:2:3]), friction = mu, restitution = e);
+end Held;
+)";
+constexpr const char *kElement = R"(model Damped "a friction element in the plane"
+  parameter Real bound = 3, vx = 1.2, k = 20;
+  coordinate Real q[2](start = {0.1, 0}, der(start = {vx, 0.6}));
+  body puck(mass = 2, position = q);
+  force spring(value = -k*{q[1], 2*q[2]}, at = q);
+  friction dry(slip = der(q), bound = bound);
+end Damped;
+)";
+constexpr const char *kSkipping = R"(model Skipping "a stone that bounces, comes to rest on the floor and slides on"
+  parameter Real mu = 0.05, e = 0.6, h = 1, vx = 4, c = 0.3;
+  coordinate Real x(der(start = vx)), y(start = h);
+  body stone(mass = 2, position = {x, y});
+  gravity weight(acceleration = {0, -9.81});
+  force wind(value = {-c*der(x), -c*der(y)}, at = {x, y});
+  contact floor(gap = y - 0.02*sin(x), slip = der(x), friction = mu, restitution = e);
+end Skipping;
+)";
+constexpr const char *kPolygon = R"(model Puck "as above, on a polygon"
+  parameter Real mu = 0.3, speed = 2, angle = 0.4, pull = 1, k = 1;
+  coordinate Real q[3](start = {0, 0, 0}, der(start = {speed*cos(angle), speed*sin(angle), 0}));
+  body puck(mass = 2, position = q);
+  gravity weight(acceleration = {0, 0, -9.81});
+  force f(value = {pull*sin(3*time) - k*q[1], -k*q[2]}, at = q[1:2]);
+  contact table(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = mu, frictionForm = FrictionForm.Polyhedral, directions = 6);
+end Puck;
+)";
+
+// A model's text, or (without spaces) the name of an example.
+std::string fileOf(const char *model) {
+  const std::string text = model;
+  return text.find(' ') == std::string::npos ? example(text)
+                                             : sourceFile("sensitivity" + std::to_string(std::hash<std::string>()(text)) + ".tf", text);
+}
 
 class RunDifferences : public testing::TestWithParam<Case> {};
 
@@ -79,13 +154,13 @@ TEST_P(RunDifferences, Agree) {
   const Case &c = GetParam();
   const double h = 1e-5;
   const auto run = [&](double value) {
-    CompiledModel model(example(c.file), {{c.name, value}});
+    CompiledModel model(fileOf(c.file), {{c.name, value}});
     model.tolerance(1e-12).initialise();
     model.advance(c.time);
     return states(model);
   };
   const std::vector<double> plus = run(c.value + h), minus = run(c.value - h);
-  CompiledModel model(example(c.file), {{c.name, c.value}});
+  CompiledModel model(fileOf(c.file), {{c.name, c.value}});
   differentiateBy(model, {c.name});
   model.tolerance(1e-10).initialise();
   model.advance(c.time);
@@ -107,6 +182,47 @@ INSTANTIATE_TEST_SUITE_P(Examples, RunDifferences,
                                          Case{"falling_box.tf", 0.9, "der(r[1])", 3}, Case{"stickslip.tf", 3, "mu", 0.5},
                                          Case{"stickslip.tf", 3, "k", 4}, Case{"chain.tf", 0.4, "mu", 0.5},
                                          Case{"chain.tf", 0.4, "r[2]", 0.3}));
+
+// Quaternions are differentiated as they are, four components each, whose changes keep them at unit length.
+INSTANTIATE_TEST_SUITE_P(InSpace, RunDifferences,
+                         testing::Values(Case{kTop, 1.5, "a", 0.3}, Case{kTop, 1.5, "wx", 1}, Case{kTop, 1.5, "g", 9.81},
+                                         Case{kBall, 1, "mu", 0.2}, Case{kBall, 2, "mu", 0.2}, Case{kBall, 2, "wy", -60},
+                                         Case{kBall, 2, "wz", 10}, Case{kPuck, 0.3, "k", 1}, Case{kPuck, 4, "mu", 0.3},
+                                         Case{kPuck, 4, "angle", 0.4}, Case{kPuck, 3, "pull", 12}, Case{kPuck, 4, "k", 1},
+                                         Case{kHeld, 1, "mu", 0.3}, Case{kHeld, 1, "e", 0.4}, Case{kHeld, 1, "side", 0.3},
+                                         Case{kElement, 3, "bound", 3}, Case{kElement, 3, "vx", 1.2}, Case{kElement, 3, "k", 20},
+                                         Case{kPolygon, 4, "mu", 0.3}, Case{kPolygon, 4, "angle", 0.4}, Case{kPolygon, 4, "k", 1}));
+
+// Through the point where infinitely many impacts accumulate.
+INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
+                         testing::Values(Case{"bouncing_ball.tf", 6, "e", 0.8}, Case{"rocking_block.tf", 3, "tilt", -0.2},
+                                         Case{"rocking_block.tf", 3, "b", 0.2}, Case{kSkipping, 3, "e", 0.6},
+                                         Case{kSkipping, 3, "mu", 0.05}, Case{kSkipping, 3, "h", 1}));
+
+// y = 1: the ball rests at t = sqrt(2/g) (1 + e)/(1 − e).
+TEST(Sensitivities, OfTheTimeOfRestAreThoseOfTheClosedForm) {
+  const double g = 9.81, e = 0.8, first = std::sqrt(2 / g), rest = first * (1 + e) / (1 - e);
+  CompiledModel model(sourceFile("drifting_ball.tf", R"(model Drift
+  parameter Real e = 0.8, h = 1, g = 9.81, c = 0.5;
+  coordinate Real x, y(start = h);
+  body ball(mass = 2, position = {x, y});
+  gravity weight(acceleration = {0, -g});
+  contact floor(gap = y, restitution = e);
+  force wind(value = 2*c, at = x);
+end Drift;
+)"));
+  differentiateBy(model, {"e", "h", "c"});
+  model.tolerance(1e-10).initialise();
+  model.advance(8);
+  EXPECT_NEAR(model.eventTime(TF_EVENT_REST), rest, 1e-8);
+  for (std::size_t column = 0; column < 3; ++column) {
+    EXPECT_NEAR(sensitivity(model, "y", column), 0, 1e-9);
+    EXPECT_NEAR(sensitivity(model, "der(y)", column), 0, 1e-9);
+  }
+  EXPECT_NEAR(sensitivity(model, "x", 0), 0, 1e-8);
+  EXPECT_NEAR(sensitivity(model, "x", 1), 0, 1e-8);
+  EXPECT_NEAR(sensitivity(model, "x", 2), 32, 1e-7);
+}
 
 }  // namespace
 }  // namespace tf::test

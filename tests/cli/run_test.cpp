@@ -106,6 +106,27 @@ TEST_F(RunCommand, TellsMoreIfVerbose) {
   const ProcessResult result = run({"--stop-time", "1", "--verbose", "-o", "out.csv"});
   EXPECT_THAT(result.err, HasSubstr("impact of floor"));
   EXPECT_THAT(result.err, HasSubstr("Jacobians"));
+  EXPECT_THAT(result.err, HasSubstr("integrators: explicit 100 % of the time in "));
+}
+
+TEST_F(RunCommand, TellsWhichIntegratorTookOver) {
+  writeFile(folder.path() / "stiff.tf", "model Stiff\n  coordinate Real x(start = 1), y(start = 1);\n  body a(mass = 1, position = x);\n"
+                                        "  body b(mass = 1, position = y);\n  force soft(value = -x, at = x);\n"
+                                        "  force stiff(value = -1e4*der(y) - 1e4*(y - x), at = y);\nend Stiff;\n");
+  const ProcessResult result = runTfc({"run", "stiff.tf", "--stop-time", "10", "--verbose", "--event-log", "log.csv"}, folder.path());
+  EXPECT_THAT(result.err, HasSubstr(" % of the time in "));
+  EXPECT_THAT(result.err, HasSubstr(" on cvode: stiff\n"));
+  EXPECT_THAT(readFile(folder.path() / "log.csv"), HasSubstr(",integrator,cvode: stiff,"));
+}
+
+TEST_F(RunCommand, WarnsOfRedundantConstraints) {
+  writeFile(folder.path() / "twice.tf", "model Twice\n  coordinate Real x, y;\n  body a(mass = 1, position = {x, y});\n"
+                                        "  constraint first(residual = y);\n  constraint second(residual = 2*y);\nend Twice;\n");
+  const ProcessResult result = runTfc({"run", "twice.tf", "--quiet", "--event-log", "log.csv"}, folder.path());
+  EXPECT_EQ(result.exitCode, 0);
+  EXPECT_THAT(result.err, HasSubstr("warning: constraint 'second' follows from 'first' (twice.tf:5) at time = 0;"));
+  EXPECT_THAT(result.err, HasSubstr("[TF0905]"));
+  EXPECT_THAT(readFile(folder.path() / "log.csv"), HasSubstr(",redundancy,constraint 'second' follows from 'first' (twice.tf:5),"));
 }
 
 // The horizontal position under a force u[1] on m = 1, without friction.
