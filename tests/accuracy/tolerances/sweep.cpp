@@ -49,7 +49,7 @@ const Event *nearest(const std::vector<Event> &events, tf_event_kind kind, doubl
 
 double scale(double value) { return std::max(1.0, std::abs(value)); }
 
-constexpr double kFine = 1e-11;  // tolerance of the runs that are subtracted
+constexpr double kFine = 1e-10;  // tolerance of the runs that are subtracted
 // Samples as near as this to a jump are not compared, whatever the tolerance.
 constexpr double kJump = 1e-5;
 
