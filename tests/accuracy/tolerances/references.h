@@ -35,6 +35,11 @@ namespace tf::test {
 [[nodiscard]] Reference chainReference();
 [[nodiscard]] Reference sliderCrankReference();
 [[nodiscard]] Reference fourBarReference();
+[[nodiscard]] Reference doublePendulumReference();
+[[nodiscard]] Reference woodpeckerReference();
+[[nodiscard]] Reference threeCartsReference();
 [[nodiscard]] Reference spinningTopReference();
+[[nodiscard]] Reference backspinBallReference();
+[[nodiscard]] Reference tippeTopReference();
 
 }  // namespace tf::test

@@ -46,6 +46,11 @@ std::vector<SweepCase> cases() {
       {"slider_crank", "slider_crank.tf", sliderCrankReference},
       {"four_bar", "four_bar.tf", fourBarReference},
       {"spinning_top", "spinning_top.tf", spinningTopReference},
+      {"three_carts", "three_carts.tf", threeCartsReference},
+      {"double_pendulum", "double_pendulum.tf", doublePendulumReference},
+      {"woodpecker", "woodpecker.tf", woodpeckerReference},
+      {"backspin_ball", "backspin_ball.tf", backspinBallReference},
+      {"tippe_top", "tippe_top.tf", tippeTopReference},
   };
 }
 
