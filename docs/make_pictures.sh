@@ -24,6 +24,8 @@ picture moving_ground moving_ground.tf --interval 0.002
 picture pushed_block pushed_block.tf --interval 0.005
 picture particle3d particle3d.tf --interval 0.005
 picture dragged_table dragged_table.tf --interval 0.01
+picture backspin_ball backspin_ball.tf --interval 0.005
+picture woodpecker woodpecker.tf --stop-time 1 --interval 0.0005
 
 # simulate NAME FILE [ARGS]: a result for a picture that several examples share; draw NAME: such a picture.
 simulate() {
@@ -42,6 +44,26 @@ draw painleve
 simulate newtons_cradle newtons_cradle.tf --interval 0.002
 simulate column column.tf --stop-time 0.5 --interval 0.0005
 draw collisions
+simulate two_walls two_walls.tf --interval 0.01
+simulate pendulum_wall pendulum_wall.tf --interval 0.01
+simulate double_pendulum double_pendulum.tf --stop-time 1 --interval 0.01
+draw walls
+simulate three_carts three_carts.tf --interval 0.01
+simulate carts carts.tf --interval 0.01
+draw carts
+simulate spinning_top spinning_top.tf --stop-time 1 --interval 0.002
+simulate nodding_top spinning_top.tf --set 'R.w[3]=60' --stop-time 1 --interval 0.002
+simulate tippe_top tippe_top.tf --interval 0.002
+draw tops
+simulate four_bar four_bar.tf --stop-time 0.6 --interval 0.01
+simulate slider_crank slider_crank.tf --interval 0.0001
+draw mechanisms
+simulate relay relay.tf --interval 0.01
+simulate thermostat thermostat.tf --interval 0.05
+simulate incline incline.tf --interval 0.005
+simulate incline_stays incline.tf --set mu=0.7 --interval 0.005
+simulate corner corner.tf --interval 0.005
+draw switches
 
 # Errors of fixed-step runs, measured by the accuracy tests against an independent reference.
 if [ -x "$build/tests/accuracy/accuracy_test" ]; then

@@ -3,6 +3,7 @@
 #include "docs/plot/table.h"
 
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <map>
 #include <memory>
@@ -117,6 +118,13 @@ private:
     panel.curves.push_back(std::move(curve));
   }
 
+  // A word is a column or, at a fixed place, a number.
+  [[nodiscard]] double coordinate(const Table &data, std::size_t i, std::size_t row) const {
+    char *end = nullptr;
+    const double number = std::strtod(word(i).c_str(), &end);
+    return *end == '\0' ? number : data.column(word(i))[row];
+  }
+
   void addOutlines(Panel &panel) {
     const Table &data = table(word(1));
     const double step = value(2);
@@ -129,7 +137,7 @@ private:
       next += step;
       Curve curve{.style = Style::Outline, .shade = 0.25 + 0.75 * time[row] / time.back()};
       for (std::size_t i = 3; i + 1 < words_->size(); i += 2) {
-        curve.points.emplace_back(data.column(word(i))[row], data.column(word(i + 1))[row]);
+        curve.points.emplace_back(coordinate(data, i, row), coordinate(data, i + 1, row));
       }
       panel.curves.push_back(std::move(curve));
     }

@@ -8,7 +8,7 @@
 //   range x|y LOW HIGH                  instead of the data's range
 //   equal                               same scale on both axes
 //   line FILE XCOLUMN YCOLUMN [LABEL]   a curve; also `points` (markers joined by a thin line) and `dashed` (grey)
-//   outline FILE STEP X1 Y1 X2 Y2 …     a polygon through the points of every row whose time is a multiple of STEP
+//   outline FILE STEP X1 Y1 X2 Y2 …     a polygon through the points of every row whose time is a multiple of STEP; numbers are fixed
 //   horizontal VALUE [LABEL]            a line across; also `vertical`, and `band LOW HIGH [LABEL]`, a shaded range of x
 //
 // Words with spaces stand in double quotes; `#` begins a comment. Files are relative to the description's data folder.

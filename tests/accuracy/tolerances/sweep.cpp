@@ -96,7 +96,7 @@ std::optional<Run> changedRun(const SweepCase &sweepCase, const Reference &refer
 Sensitivity sensitivityOf(const SweepCase &sweepCase, const Reference &reference) {
   constexpr double kChange = 1e-7;
   const Run base = simulate(sweepCase, reference, kFine, TF_AUTO);
-  Sensitivity result{std::vector<double>(reference.samples.size(), 0), std::vector<double>(reference.events.size(), 0)};
+  Sensitivity result{std::vector<double>(reference.samples.size(), 0), std::vector<double>(reference.events.size(), 0), {}};
   std::vector<std::vector<double>> rows(reference.samples.size(), std::vector<double>(reference.variables.size(), 0));
   const auto isAtJump = [&](const Sample &sample) {
     return std::any_of(reference.events.begin(), reference.events.end(),
@@ -123,6 +123,7 @@ Sensitivity sensitivityOf(const SweepCase &sweepCase, const Reference &reference
   double largest = 0;
   for (std::size_t s = 0; s < rows.size(); ++s)
     result.states[s] = largest = std::max(largest, *std::max_element(rows[s].begin(), rows[s].end()));
+  result.eventTimes = result.events;
   for (std::size_t e = 0; e < reference.events.size(); ++e)
     for (std::size_t s = 0; s < rows.size() && reference.samples[s].time < reference.events[e].time; ++s)
       result.events[e] = std::max(result.events[e], result.states[s]);
@@ -168,7 +169,7 @@ SweepResult compare(const SweepCase &sweepCase, const Reference &reference, cons
     // Across a jump a state cannot be compared.
     const auto isNear = [&](const ReferenceEvent &event) {
       const auto e = static_cast<std::size_t>(&event - reference.events.data());
-      return std::abs(event.time - sample.time) <= std::max(kJump, bound(sensitivity.events[e]));
+      return std::abs(event.time - sample.time) <= std::max(kJump, bound(sensitivity.eventTimes[e]));
     };
     if (std::any_of(reference.events.begin(), reference.events.end(), isNear))
       continue;

@@ -30,8 +30,9 @@ struct SweepResult {
 
 // Sensitivities of one example by its starts, by differences of runs at a tight tolerance.
 struct Sensitivity {
-  std::vector<double> states;  // per sample: largest norm so far, in the scaling of the promise
-  std::vector<double> events;  // per event of the reference: of its time, or of the states before it
+  std::vector<double> states;      // per sample: largest norm so far, in the scaling of the promise
+  std::vector<double> events;      // per event of the reference: of its time, or of the states before it
+  std::vector<double> eventTimes;  // of its time alone
 };
 
 [[nodiscard]] Sensitivity sensitivityOf(const SweepCase &sweepCase, const Reference &reference);
