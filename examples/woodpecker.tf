@@ -1,7 +1,7 @@
 // The woodpecker toy: a sleeve on a pole, and a woodpecker on a spring on the sleeve. Tilted, the sleeve jams on the pole by friction; the
 // woodpecker swings, frees the sleeve for a short fall, hits the pole with its beak and swings back: a limit cycle of slip, jam and impact.
 // Model and data: C. Glocker, Dynamik von Starrkoerpersystemen mit Reibung und Stoessen, 1995; R. Leine, C. Glocker and D. van Campen,
-// Nonlinear dynamics of the woodpecker toy, 2001. Small angles.
+// Nonlinear dynamics of the woodpecker toy, 2001; small angles and Newton's impact law, as there.
 //
 //   tfc run woodpecker.tf --event-log events.csv
 model Woodpecker "woodpecker toy"
@@ -21,8 +21,8 @@ model Woodpecker "woodpecker toy"
   body woodpecker(mass = mS, position = {0, y + lM*phiM + lG*phiS}, angle = phiS, inertia = JS);
   gravity weight(acceleration = {0, -g});
   potential spring(energy = c*(phiS - phiM)^2/2);
-  contact beak(gap = lM + lG - lS - r0 - hS*phiS, slip = der(y) + lM*der(phiM) + (lG - lS)*der(phiS), friction = mu, restitution = e);
+  contact beak(gap = lM + lG - lS - r0 - hS*phiS, slip = der(y) + lM*der(phiM) + (lG - lS)*der(phiS), friction = mu, restitution = e, law = ImpactLaw.Newton);
   contact lower(gap = rM - r0 + hM*phiM, slip = der(y) + rM*der(phiM), friction = mu);
   contact upper(gap = rM - r0 - hM*phiM, slip = der(y) + rM*der(phiM), friction = mu);
-  annotation(experiment(StopTime = 0.5, Tolerance = 1e-9));
+  annotation(experiment(StopTime = 0.6, Tolerance = 1e-9));
 end Woodpecker;

@@ -12,7 +12,7 @@
 //   Number normalBias(int i, y) const;                    derivative of the gap rate less row·v'
 //   Number tangentBias(int i, y) const;                   the same of the slip
 //   Number friction(int i) const;
-//   Number restitution(int i) const;                      Poisson's; positive only where no other contact takes part in the impact
+//   Number restitution(int i) const;                      Newton's; positive only where no other contact takes part in the impact
 // with y = (q, v) of type State<2 * size>, Eigen's matrices of Number.
 #pragma once
 
@@ -45,7 +45,7 @@ public:
   // `grid`: ascending times, the last one is the end; `step`: short against the motion, so that no event is missed.
   ContactReference(const System &system, const FullState &start, const std::vector<double> &grid, int mostEvents = 60, Number step = 0.01L)
       : system_(system), grid_(grid), mostEvents_(mostEvents), step_(step), y_(start), count_(system.count()),
-        stored_(static_cast<std::size_t>(system.count()), 0) {}
+        target_(static_cast<std::size_t>(system.count()), 0) {}
 
   ContactSolution<size> run() {
     const Number end = grid_.back();
@@ -173,7 +173,7 @@ private:
 
   // Modes of one contact that its state allows.
   [[nodiscard]] std::vector<ContactMode> candidates(int i, bool frozen) const {
-    const bool restores = frozen && stored_[static_cast<std::size_t>(i)] > 0;
+    const bool restores = frozen && target_[static_cast<std::size_t>(i)] > 0;
     if (!restores && (gap(i, y_) > Number(1e-10) || approach(i, y_) > kClosed)) {
       return {{}};
     }
@@ -219,7 +219,7 @@ private:
       if (contact.normal == Normal::Held && (response.normal[i] < tolerance || (frozen && response.normal[i] > 1 - tolerance))) {
         return false;
       }
-      if (contact.normal == Normal::Pushed && stored_[static_cast<std::size_t>(i)] == 0 && approach(i, y_) >= -kClosed && normalRate >= 0) {
+      if (contact.normal == Normal::Pushed && target_[static_cast<std::size_t>(i)] == 0 && approach(i, y_) >= -kClosed && normalRate >= 0) {
         return false;
       }
       if (contact.tangent == Tangent::Stick && std::abs(response.tangent[i]) > system_.friction(i) * response.normal[i] + tolerance) {
@@ -269,9 +269,10 @@ private:
     }
   }
 
+  [[nodiscard]] bool touches(int i) const { return gap(i, y_) <= Number(1e-10); }
   [[nodiscard]] bool isFreezing() const {
     for (int i = 0; i < count_; ++i) {
-      if (stored_[static_cast<std::size_t>(i)] > 0 || (gap(i, y_) <= Number(1e-10) && approach(i, y_) < -kClosed)) {
+      if (target_[static_cast<std::size_t>(i)] > 0 || (gap(i, y_) <= Number(1e-10) && approach(i, y_) < -kClosed)) {
         return true;
       }
     }
@@ -296,8 +297,8 @@ private:
         limit(approach(i, y_), normalRow(i, y_).dot(response.change));
         limit(slip(i, y_), tangentRow(i, y_).dot(response.change));
       }
-      if (const Number stored = stored_[static_cast<std::size_t>(i)]; stored > 0 && approach(i, y_) >= -kClosed)
-        length = std::min(length, stored);
+      if (Number &target = target_[static_cast<std::size_t>(i)]; target > 0)
+        limit(approach(i, y_) - target, normalRow(i, y_).dot(response.change));
     }
     if (!std::isfinite(length)) {
       return false;
@@ -307,26 +308,25 @@ private:
       solution_.reversals +=
           slipped && gap(i, y_) <= Number(1e-10) && std::abs(slip(i, y_) + length * tangentRow(i, y_).dot(response.change)) <= kClosed;
     }
-    store(*mode, length);
     for (int k = 0; k < size; ++k) {
       y_[static_cast<std::size_t>(size + k)] += length * response.change[k];
     }
+    for (int i = 0; i < count_; ++i)
+      if (Number &target = target_[static_cast<std::size_t>(i)]; approach(i, y_) >= target - kClosed)
+        target = 0;
     return true;
   }
 
-  // Poisson's restitution: a contact stores a share of its impulse while it is compressed, and gives it back then.
-  void store(const Mode &mode, Number length) {
-    for (int i = 0; i < count_; ++i) {
-      Number &stored = stored_[static_cast<std::size_t>(i)];
-      if (approach(i, y_) >= -kClosed)
-        stored = stored - length > kClosed * kClosed ? stored - length : 0;
-      else if (mode[static_cast<std::size_t>(i)].normal == Normal::Pushed)
-        stored += system_.restitution(i) * length;
-    }
+  // Newton's restitution: a contact pushes until its gap rate is the given share of that before the impact, reversed.
+  void aim() {
+    for (int i = 0; i < count_; ++i)
+      if (touches(i) && approach(i, y_) < -kClosed)
+        target_[static_cast<std::size_t>(i)] = -system_.restitution(i) * approach(i, y_);
   }
 
   // Carries the state through a freeze and finds the mode after it. False if that cannot be done in one way.
   bool settle() {
+    aim();
     for (int piece = 0; isFreezing(); ++piece) {
       if (piece > 200 || !frozenPiece()) {
         return false;
@@ -418,7 +418,7 @@ private:
   Number t_ = 0, lastEvent_ = 0;
   FullState y_;
   int count_;
-  std::vector<Number> stored_;  // impulses
+  std::vector<Number> target_;  // gap rates at which a freeze ends, 0 for none
   Mode mode_;
   Cause cause_;
   ContactSolution<size> solution_;

@@ -100,7 +100,7 @@ Reference doublePendulumReference() {
 
 Reference woodpeckerReference() {
   const State<6> start = {0, -(Woodpecker::rM - Woodpecker::r0) / Woodpecker::hM, -0.2788L, -0.3411L, 0, -7.4583L};
-  return solved(Woodpecker(), start, 0.5, 50, 1e-4L, {"y", "phiM", "phiS", "der(y)", "der(phiM)", "der(phiS)"});
+  return solved(Woodpecker(), start, 0.6, 50, 1e-4L, {"y", "phiM", "phiS", "der(y)", "der(phiM)", "der(phiS)"});
 }
 
 // Constant forces between the events: 12 N and from 1.5 s on −10 N on the middle cart of 1 kg, friction 2 N on each.
