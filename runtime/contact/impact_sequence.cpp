@@ -311,7 +311,8 @@ void ImpactSequence::Workspace::recordPoint(const std::vector<int> &contacts) {
   AccumulationPoint point = state;
   point.contacts = contacts;
   for (int j = 0; j < problem->tangentCount; ++j)
-    if (const int owner = problem->owner[j]; owner >= 0 && gap[owner] == 0 && velocity[owner] == 0 && velocity[n() + j] == 0)
+    if (const int owner = problem->owner[j];
+        owner >= 0 && problem->friction[j] > 0 && gap[owner] == 0 && velocity[owner] == 0 && velocity[n() + j] == 0)
       point.sticking.push_back(j);
   points.push_back(std::move(point));
 }

@@ -13,7 +13,8 @@
 
 namespace tf::runtime {
 
-// All contacts (n), and the tangential rows (m) of those with friction and of friction elements. slipSign is not used.
+// All contacts (n), and the tangential rows (m) of those with friction and of friction elements, of which slips of two
+// components are no pairs here: partner and slipSign are not used. Rows without friction are never reported as sticking.
 struct SequenceProblem : ContactRows {
   DenseMatrix delassus;                   // D: (n + m) × (n + m)
   std::vector<double> bias;               // φ: n + m

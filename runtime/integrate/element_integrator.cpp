@@ -64,6 +64,9 @@ double ElementIntegrator::initialStep(double limit) {
   return std::clamp(std::min(100 * h, h1), smallestStep(beginTime_), span);
 }
 
+// Of implicit equations: well below the error that is allowed in a step.
+double ElementIntegrator::stepAccuracy() const { return settings_.fixedStep > 0 ? 1e-15 : std::max(1e-15, 1e-3 * settings_.tolerance); }
+
 bool ElementIntegrator::solve(double h, double accuracy) {
   return method_->solve(dynamics_, beginTime_, begin_.data(), beginRate_.data(), h, scale_.data(), accuracy);
 }
@@ -89,8 +92,7 @@ StepStatus ElementIntegrator::step(double limit) {
     next_ = settings_.fixedStep;
   else if (!(next_ > 0))
     next_ = initialStep(limit);
-  // Implicit equations well below the error that is allowed in a step.
-  const double accuracy = fixed ? 1e-15 : std::max(1e-15, 1e-3 * settings_.tolerance);
+  const double accuracy = stepAccuracy();
   for (bool rejected = false;; rejected = true) {
     const bool last = next_ >= span * (1 - 1e-12);
     // No tiny remainder before the limit.
@@ -128,7 +130,8 @@ StepStatus ElementIntegrator::step(double limit) {
 }
 
 bool ElementIntegrator::shorten(double time) {
-  if (!solve(time - beginTime_, 1e-15))
+  // Where slips of two components have just begun, implicit equations cannot be solved to rounding, but as well as those of the step.
+  if (!solve(time - beginTime_, 1e-15) && !solve(time - beginTime_, stepAccuracy()))
     return false;
   adopt(time);
   return true;

@@ -23,6 +23,7 @@ public:
   [[nodiscard]] double suggestedStep() const override { return next_; }
 
 private:
+  [[nodiscard]] double stepAccuracy() const;
   bool solve(double h, double accuracy);
   void adopt(double time);
   double initialStep(double limit);

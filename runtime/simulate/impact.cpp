@@ -27,7 +27,7 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     problem_.normalVelocity[i] = at_.gapRate[contacts[i]];
     problem_.rate[i] = at_.rate[contacts[i]];
-    problem_.restitution[i] = at_.restitution[contacts[i]];
+    problem_.restitution[i] = elastic_ ? at_.restitution[contacts[i]] : 0;
     problem_.law[i] = static_cast<ImpactLaw>(model.contacts[contacts[i]].law);
   }
   for (std::size_t j = 0; j < tangents.size(); ++j)

@@ -15,6 +15,8 @@ class Impact {
 public:
   explicit Impact(ModelEvaluation &evaluation) : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf) {}
 
+  // Whether the impacts that follow have restitution.
+  void setElastic(bool elastic) { elastic_ = elastic; }
   // Moves the velocities in `state` by the impulses of the contacts `contacts` (closed gaps) and tau by the phase's duration. `forced`: the
   // contact that starts a frictional impulse, or −1. `normalImpulse` [nc] is added to. False: the impact has no end, see text().
   bool apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse);
@@ -35,6 +37,7 @@ private:
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;
   std::string text_;
+  bool elastic_ = true;
   int breakpoints_ = 0;
   double boundaryWork_ = 0;
   std::vector<double> impulse_, multiplier_;

@@ -81,8 +81,8 @@ bool RestPrediction::recordImpact(double time, const double *before) {
   return ++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval);
 }
 
-// All contacts and their tangential rows, with gaps and velocities at the state. False where friction has two directions.
-bool RestPrediction::chooseRows(double time, const double *state) {
+// All contacts and their tangential rows, with gaps and velocities at the state.
+void RestPrediction::chooseRows(double time, const double *state) {
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
   const std::vector<std::uint8_t> all(model.nc + model.nf, 1);
@@ -90,14 +90,8 @@ bool RestPrediction::chooseRows(double time, const double *state) {
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   const std::vector<int> owner = contactsOfTangents(model);
   std::vector<int> contacts, tangents;
-  for (int i = 0; i < model.nc; ++i) {
-    if (sharesDisk(model.contacts[i]) && at_.friction[i] > 0)
-      return false;
+  for (int i = 0; i < model.nc; ++i)
     contacts.push_back(i);
-  }
-  for (int f = 0; f < model.nf; ++f)
-    if (sharesDisk(model.frictions[f]))
-      return false;
   for (int j = 0; j < model.nt; ++j)
     if (owner[j] < 0 || at_.friction[owner[j]] > 0)
       tangents.push_back(j);
@@ -112,9 +106,24 @@ bool RestPrediction::chooseRows(double time, const double *state) {
     problem_.restitution[i] = at_.restitution[i];
     problem_.law[i] = static_cast<ImpactLaw>(model.contacts[i].law);
   }
-  for (std::size_t j = 0; j < tangents.size(); ++j)
-    problem_.velocity[model.nc + j] = stands_[model.nc + j] ? 0 : at_.slip[tangents[j]];
-  return true;
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if (problem_.partner[j] < 0)
+      problem_.velocity[model.nc + j] = stands_[model.nc + j] ? 0 : at_.slip[tangents[j]];
+    else if (problem_.partner[j] > j)
+      choosePair(j);
+}
+
+// A slip of two components turns by O(T) until the point of rest: its friction lies along the slip, and none across. A pair that sticks
+// does so in any frame, until the sequence lets one of its rows slip: that prediction does not agree with the next one.
+void RestPrediction::choosePair(int j) {
+  const int row = rows_.tangents()[j], first = problem_.normalCount + j;
+  const double x = at_.slip[row], y = at_.slip[row + 1], speed = std::hypot(x, y);
+  const bool slips = stands_[first] == 0 && speed > 0;
+  problem_.slipSign[j] = problem_.slipSign[j + 1] = slips ? 1 : 0;
+  if (slips)
+    rows_.setFrame(j, x / speed, y / speed);
+  problem_.velocity[first] = slips ? speed : 0;
+  problem_.velocity[first + 1] = 0;
 }
 
 // What is zero at the state but for rounding.
@@ -128,8 +137,12 @@ void RestPrediction::classify(const double *state, const std::vector<int> &tange
     touches_[i] = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
     stands_[i] = mode.closed[i] || (touches_[i] && std::abs(at_.gapRate[i]) <= still);
   }
-  for (std::size_t j = 0; j < tangents.size(); ++j)
-    stands_[model.nc + j] = mode.tangent[tangents[j]] == Tangent::Stick || std::abs(at_.slip[tangents[j]]) <= still;
+  const std::vector<int> pairs = pairsOfTangents(model);
+  for (std::size_t j = 0; j < tangents.size(); ++j) {
+    const int row = tangents[j], pair = pairs[row];
+    const double speed = pair < 0 ? std::abs(at_.slip[row]) : std::hypot(at_.slip[pair], at_.slip[pair + 1]);
+    stands_[model.nc + j] = mode.tangent[row] == Tangent::Stick || speed <= still;
+  }
 }
 
 // D and φ at the positions of the state and these velocities.
@@ -182,8 +195,16 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
   point.time = time + remaining;
   point.contacts = end.contacts;
   point.sticking.clear();
-  for (const int j : end.sticking)
+  // A slip along its direction ends with both components; of a pair that sticks both rows must.
+  for (const int j : end.sticking) {
+    const int partner = problem_.partner[j];
+    const bool other = partner < 0 || problem_.slipSign[j] != 0 || std::binary_search(end.sticking.begin(), end.sticking.end(), partner);
+    if (!other || (partner >= 0 && partner < j))
+      continue;
     point.sticking.push_back(rows_.tangents()[j]);
+    if (partner >= 0)
+      point.sticking.push_back(rows_.tangents()[partner]);
+  }
   point.impulse.assign(end.frozenImpulse.begin(), end.frozenImpulse.begin() + model.nc);
   measureWork(end, state + model.nq, point);
   point.state.assign(state, state + dynamics_.size());
@@ -208,7 +229,8 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
 bool RestPrediction::predict(double time, const double *state, Prediction &prediction) {
   const tf_model &model = at_.model();
   std::vector<double> coefficients(state, state + dynamics_.size());
-  if (!chooseRows(time, state) || !evaluateCoefficients(time, coefficients))
+  chooseRows(time, state);
+  if (!evaluateCoefficients(time, coefficients))
     return false;
   stopTouching(coefficients);
   for (int pass = 0; pass < 2; ++pass) {

@@ -57,7 +57,8 @@ private:
 
   void forget();
   bool recordImpact(double time, const double *before);
-  bool chooseRows(double time, const double *state);
+  void chooseRows(double time, const double *state);
+  void choosePair(int j);
   void classify(const double *state, const std::vector<int> &tangents);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);

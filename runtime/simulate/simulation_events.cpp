@@ -74,6 +74,10 @@ tf_status Simulation::Implementation::enterMode(Selection &selection, const Mode
 tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
   const std::vector<int> contacts = selection_.touching(time_, state_.data(), false);
   const std::vector<int> approaching = selection_.touching(time_, state_.data(), true);
+  // Impacts that the tolerance of velocities does not see have no restitution: where bounces accumulate in a way that cannot be summed
+  // (slips of two components that turn with each of them), they end here.
+  const double slow = stopTolerance();
+  impact_.setElastic(forced >= 0 || std::any_of(approaching.begin(), approaching.end(), [&](int i) { return at_.gapRate[i] < -slow; }));
   std::vector<double> incoming;
   if (energy_)
     incoming = state_;
@@ -264,12 +268,11 @@ tf_status Simulation::Implementation::jam(int contact) {
 
 // Slips that are slower may be taken for zero: far within the tolerance of velocities.
 double Simulation::Implementation::stopTolerance() {
-  SmoothIntegrator &integrator = integrators_.current();
-  const IntegratorSettings &settings = integrator.settings();
+  const IntegratorSettings &settings = integrators_.current().settings();
   double scale = 1;
   for (int i = 0; i < model_.nv; ++i)
-    scale = std::max({scale, settings.scale[model_.nq + i], std::abs(integrator.begin()[model_.nq + i])});
-  return std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(integrator.begin()));
+    scale = std::max({scale, settings.scale[model_.nq + i], std::abs(state_[model_.nq + i])});
+  return std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(state_.data()));
 }
 
 // The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
