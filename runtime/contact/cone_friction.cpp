@@ -11,6 +11,9 @@ namespace {
 constexpr int newtonLimit = 60, sweepLimit = 400, homotopySteps = 10;
 // Pivots below, relative to the largest, are those of redundant contacts: the step is the shortest one.
 constexpr double singularStep = 1e-11;
+// Of followSmoothing: relative to the scale of forces, and of D.
+constexpr double lastSmoothing = 1e-14, smoothingReduction = 0.1;
+constexpr int smoothedLimit = 12;
 
 }  // namespace
 
@@ -62,24 +65,43 @@ void ConeFrictionSolver::scale() {
   pressingSlope_.resize(n, count);
 }
 
+// The positive part, smoothed (Chen, Harker, Kanzow and Smale), and its slope: ½(x + √(x² + 4σ²)).
+double ConeFrictionSolver::positivePart(double x, double &slope) const {
+  const double root = std::hypot(x, 2 * smoothing_);
+  slope = root > 0 ? 0.5 * (1 + x / root) : 0.0;
+  return x > 0 ? 0.5 * (x + root) : smoothing_ > 0 ? 2 * smoothing_ * smoothing_ / (root - x) : 0.0;
+}
+
 void ConeFrictionSolver::normalResidual(int i, double force, double acceleration, bool derivatives) {
   const NormalKind kind = problem_.normalKind[i];
-  const double p = force - acceleration;
-  const bool inside = kind == NormalKind::Bilateral || (kind == NormalKind::Unilateral && p > 0 && p < upper_[i]);
-  pressing_[i] = kind == NormalKind::Prescribed ? upper_[i] : kind == NormalKind::Bilateral ? force : std::clamp(p, 0.0, upper_[i]);
+  double slope = 1;  // dP/dp
+  if (kind == NormalKind::Prescribed) {
+    pressing_[i] = upper_[i];
+    slope = 0;
+  } else if (kind == NormalKind::Bilateral) {
+    pressing_[i] = force;
+  } else {
+    const double p = force - acceleration;
+    double above = 0;
+    pressing_[i] = positivePart(p, slope);
+    if (std::isfinite(upper_[i]))
+      pressing_[i] -= positivePart(p - upper_[i], above);
+    slope -= above;
+  }
+  const bool inside = kind == NormalKind::Bilateral || (slope == 1 && smoothing_ == 0);
   residual_[i] = inside ? acceleration : force - pressing_[i];
   if (!derivatives)
     return;
-  jacobian_.row(i).setZero();
-  pressingSlope_.row(i).setZero();
-  if (!inside) {
-    jacobian_(i, i) = 1;
+  pressingSlope_.row(i) = -slope * response_.row(i);
+  pressingSlope_(i, i) += slope;
+  if (kind == NormalKind::Bilateral) {
+    jacobian_.row(i) = response_.row(i);
+    pressingSlope_.row(i).setZero();
+    pressingSlope_(i, i) = 1;
     return;
   }
-  jacobian_.row(i) = delassus_.row(i);
-  pressingSlope_(i, i) = 1;
-  if (kind == NormalKind::Unilateral)
-    pressingSlope_.row(i) -= delassus_.row(i);
+  jacobian_.row(i) = -pressingSlope_.row(i);
+  jacobian_(i, i) += 1;
 }
 
 double ConeFrictionSolver::limit(int j) const {
@@ -87,63 +109,87 @@ double ConeFrictionSolver::limit(int j) const {
   return std::max(0.0, offset_[j] + (i >= 0 ? frictionFactor_ * friction_[j] * pressing_[i] : 0.0));
 }
 
+// The projection of p on ‖λ‖ ≤ L: L p/max(‖p‖, L), with the maximum smoothed. Derivative by p: factor·(I − shrink·p pᵀ/‖p‖²), by L: rise·p.
+ConeFrictionSolver::DiskProjection ConeFrictionSolver::projectOnDisk(double length, double bound) const {
+  DiskProjection projection;
+  double slope = 0;
+  const double largest = bound + positivePart(length - bound, slope);
+  if (!(largest > 0))
+    return projection;
+  projection.isInside = smoothing_ == 0 && length <= bound;
+  projection.factor = bound / largest;
+  projection.shrink = slope * length / largest;
+  projection.rise = (1 - bound * (1 - slope) / largest) / largest;
+  return projection;
+}
+
 void ConeFrictionSolver::tangentResidual(int j, const Eigen::VectorXd &force, const Eigen::VectorXd &acceleration, bool derivatives) {
   const int r = problem_.normalCount + j, i = problem_.owner[j];
   const double bound = limit(j), p = force[r] - acceleration[r], sign = problem_.sign[j];
-  double side = 0;  // λ = side·bound, or w = 0
-  bool active = false;
+  double projected = 0, byForce = 0, byBound = 0;
+  bool inside = false;
   switch (problem_.tangentKind[j]) {
   case TangentKind::None:
     break;
   case TangentKind::Slip:
-    side = -sign;
+    projected = -sign * bound;
+    byBound = -sign;
     break;
   case TangentKind::Bilateral:
-    active = true;
+    inside = true;
     break;
-  case TangentKind::TwoSided:
-    active = std::abs(p) < bound;
-    side = p > 0 ? 1 : -1;
-    break;
-  case TangentKind::OneSided:
-    active = sign * p < bound;
-    side = sign;
+  case TangentKind::TwoSided: {
+    const DiskProjection disk = projectOnDisk(std::abs(p), bound);
+    projected = disk.factor * p;
+    byForce = disk.factor * (1 - disk.shrink);
+    byBound = disk.rise * p;
+    inside = disk.isInside;
     break;
   }
-  residual_[r] = active ? acceleration[r] : force[r] - side * bound;
+  case TangentKind::OneSided: {
+    double beyond = 0;
+    projected = p - sign * positivePart(sign * p - bound, beyond);
+    byForce = 1 - beyond;
+    byBound = sign * beyond;
+    inside = smoothing_ == 0 && sign * p < bound;
+    break;
+  }
+  }
+  residual_[r] = inside ? acceleration[r] : force[r] - projected;
   if (!derivatives)
     return;
-  if (active) {
-    jacobian_.row(r) = delassus_.row(r);
+  if (inside) {
+    jacobian_.row(r) = response_.row(r);
     return;
   }
-  jacobian_.row(r).setZero();
-  jacobian_(r, r) = 1;
+  jacobian_.row(r) = byForce * response_.row(r);
+  jacobian_(r, r) += 1 - byForce;
   if (i >= 0 && bound > 0)
-    jacobian_.row(r) -= side * frictionFactor_ * friction_[j] * pressingSlope_.row(i);
+    jacobian_.row(r) -= byBound * frictionFactor_ * friction_[j] * pressingSlope_.row(i);
 }
 
-// F = λ − P(p), p = λ − w; dP = dL p/‖p‖ + L/‖p‖ (I − p pᵀ/‖p‖²) dp outside the disk of radius L.
 void ConeFrictionSolver::diskResidual(int j, const Eigen::VectorXd &force, const Eigen::VectorXd &acceleration, bool derivatives) {
   const int a = problem_.normalCount + j, i = problem_.owner[j];
   const double bound = limit(j);
   const Eigen::Vector2d p = force.segment<2>(a) - acceleration.segment<2>(a);
   const double length = p.norm();
-  if (length <= bound) {
+  const DiskProjection disk = projectOnDisk(length, bound);
+  if (disk.isInside) {
     residual_.segment<2>(a) = acceleration.segment<2>(a);
     if (derivatives)
-      jacobian_.middleRows<2>(a) = delassus_.middleRows<2>(a);
+      jacobian_.middleRows<2>(a) = response_.middleRows<2>(a);
     return;
   }
-  const Eigen::Vector2d direction = p / length;
-  residual_.segment<2>(a) = force.segment<2>(a) - bound * direction;
+  residual_.segment<2>(a) = force.segment<2>(a) - disk.factor * p;
   if (!derivatives)
     return;
-  const Eigen::Matrix2d turn = bound / length * (Eigen::Matrix2d::Identity() - direction * direction.transpose());
-  jacobian_.middleRows<2>(a) = turn * delassus_.middleRows<2>(a);
-  jacobian_.block<2, 2>(a, a) += Eigen::Matrix2d::Identity() - turn;
+  Eigen::Matrix2d byForce = disk.factor * Eigen::Matrix2d::Identity();
+  if (length > 0)
+    byForce -= disk.factor * disk.shrink / (length * length) * p * p.transpose();
+  jacobian_.middleRows<2>(a) = byForce * response_.middleRows<2>(a);
+  jacobian_.block<2, 2>(a, a) += Eigen::Matrix2d::Identity() - byForce;
   if (i >= 0 && bound > 0)
-    jacobian_.middleRows<2>(a) -= frictionFactor_ * friction_[j] * direction * pressingSlope_.row(i);
+    jacobian_.middleRows<2>(a) -= frictionFactor_ * friction_[j] * disk.rise * p * pressingSlope_.row(i);
 }
 
 void ConeFrictionSolver::residual(const Eigen::VectorXd &force, const Eigen::VectorXd &acceleration, bool derivatives) {
@@ -223,6 +269,49 @@ void ConeFrictionSolver::sweep(Eigen::VectorXd &force, int count) {
   }
 }
 
+void ConeFrictionSolver::setSmoothing(double smoothing) {
+  smoothing_ = smoothing * magnitude_;
+  response_ = delassus_;
+  response_.diagonal().array() += smoothing;
+}
+
+// Newton's method for equations that are smoothed and regularised, the less the nearer it comes to their solution (Hayashi, Yamashita and
+// Fukushima, SIAM Journal on Optimization 15, 2005): also where forces are not unique.
+bool ConeFrictionSolver::followSmoothing() {
+  const int count = static_cast<int>(residual_.size());
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(count), from(count), step(count);
+  Eigen::PartialPivLU<Eigen::MatrixXd> factor(count);
+  for (double smoothing = 1; smoothing > lastSmoothing; smoothing *= smoothingReduction) {
+    setSmoothing(smoothing);
+    residual(force, response_ * force + bias_, true);
+    for (int k = 0; k < smoothedLimit && residual_.norm() > 0.1 * smoothing_; ++k) {
+      ++iterations_;
+      step = -factor.compute(jacobian_).solve(residual_);
+      if (!step.allFinite())
+        break;
+      from = force;
+      const double norm = residual_.norm();
+      for (double length = 1; length > 1e-4; length *= 0.5) {
+        force = from + length * step;
+        residual(force, response_ * force + bias_, false);
+        if (residual_.norm() <= (1 - 1e-4 * length) * norm)
+          break;
+      }
+      residual(force, response_ * force + bias_, true);
+    }
+    setSmoothing(0);
+    residual(force, response_ * force + bias_, false);
+    if (const double violation = size(force); violation < bestViolation_) {
+      bestViolation_ = violation;
+      best_ = force;
+    } else if (bestViolation_ <= tolerance_) {
+      break;
+    }
+  }
+  setSmoothing(0);
+  return bestViolation_ <= tolerance_;
+}
+
 bool ConeFrictionSolver::attempt(Eigen::VectorXd force) {
   const double violation = improve(force);
   if (violation < bestViolation_) {
@@ -238,6 +327,7 @@ const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, doubl
   tolerance_ = tolerance;
   iterations_ = 0;
   frictionFactor_ = 1;
+  setSmoothing(0);
   bestViolation_ = std::numeric_limits<double>::infinity();
   best_.setZero(count);
   Eigen::VectorXd start = Eigen::VectorXd::Zero(count);
@@ -256,6 +346,8 @@ const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, doubl
     sweep(start, sweepLimit);
     solved = attempt(start);
   }
+  if (!solved && followSmoothing())
+    solved = attempt(best_);
   if (!solved) {
     // Friction grows from none to its size, the solution follows.
     start.setZero();
@@ -287,6 +379,7 @@ double ConeFrictionSolver::certificate(const std::vector<double> &force, const s
     w[r] = acceleration[r] / metric_[r];
   }
   frictionFactor_ = 1;
+  setSmoothing(0);
   residual(f, w, false);
   return size(f);
 }

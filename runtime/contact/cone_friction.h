@@ -41,7 +41,14 @@ public:
   [[nodiscard]] int iterations() const { return iterations_; }
 
 private:
+  struct DiskProjection {
+    bool isInside = false;
+    double factor = 0, shrink = 0, rise = 0;
+  };
+
   void scale();
+  double positivePart(double x, double &slope) const;
+  [[nodiscard]] DiskProjection projectOnDisk(double length, double bound) const;
   void residual(const Eigen::VectorXd &force, const Eigen::VectorXd &acceleration, bool derivatives);
   void normalResidual(int i, double force, double acceleration, bool derivatives);
   void tangentResidual(int j, const Eigen::VectorXd &force, const Eigen::VectorXd &acceleration, bool derivatives);
@@ -50,18 +57,21 @@ private:
   [[nodiscard]] double size(const Eigen::VectorXd &force) const;
   double improve(Eigen::VectorXd &force);
   void sweep(Eigen::VectorXd &force, int count);
+  void setSmoothing(double smoothing);
+  bool followSmoothing();
   bool attempt(Eigen::VectorXd force);
 
   ConeFrictionProblem problem_;
   ConeFrictionSolution solution_;
   std::vector<double> metric_;
-  Eigen::MatrixXd delassus_, jacobian_;  // in the metric of D; dF/dλ
+  Eigen::MatrixXd delassus_, response_, jacobian_;  // in the metric of D; D + σ I; dF/dλ
   Eigen::VectorXd bias_, residual_, best_;
   std::vector<double> upper_, friction_, offset_;
   std::vector<double> pressing_;   // n: the normal force that limits see, P_K(λ − w)
   Eigen::MatrixXd pressingSlope_;  // its derivative by λ
   double magnitude_ = 0, tolerance_ = 0, bestViolation_ = 0;
   double frictionFactor_ = 1;  // of the homotopy
+  double smoothing_ = 0;       // σ
   int iterations_ = 0;
 };
 

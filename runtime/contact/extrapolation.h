@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -31,9 +32,12 @@ public:
 
   // Over h; result in end(). False: two successive extrapolations do not agree to `accuracy` (largest entry), or f failed.
   template <class Rate> bool step(double h, double accuracy, const Rate &rate) {
+    error_ = std::numeric_limits<double>::infinity();
     for (int k = 0; k < columns; ++k) {
-      if (!midpoint(h, substeps[static_cast<std::size_t>(k)], rate))
+      if (!midpoint(h, substeps[static_cast<std::size_t>(k)], rate)) {
+        error_ = std::numeric_limits<double>::infinity();
         return false;
+      }
       // Aitken–Neville in h², from T(k, 0) to T(k, k).
       carried_ = after_;
       for (int j = 0; j < k; ++j) {
@@ -44,14 +48,20 @@ public:
       }
       table_[static_cast<std::size_t>(k)] = carried_;
       used_ = k + 1;
-      if (!carried_.allFinite())
+      if (!carried_.allFinite()) {
+        error_ = std::numeric_limits<double>::infinity();
         return false;
-      if (k > 1 && (carried_ - table_[static_cast<std::size_t>(k - 1)]).template lpNorm<Eigen::Infinity>() <= accuracy)
+      }
+      if (k > 1)
+        error_ = (carried_ - table_[static_cast<std::size_t>(k - 1)]).template lpNorm<Eigen::Infinity>();
+      if (k > 1 && error_ <= accuracy)
         return true;
     }
     return false;
   }
   [[nodiscard]] const Eigen::VectorXd &end() const { return carried_; }
+  // Difference of the last two extrapolations; infinite where f failed.
+  [[nodiscard]] double error() const { return error_; }
   // Columns of the table that were needed: few say that the step may be longer.
   [[nodiscard]] int used() const { return used_; }
 
@@ -83,6 +93,7 @@ private:
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   std::array<Eigen::VectorXd, columns> table_;
   int used_ = 0;
+  double error_ = 0;
 };
 
 }  // namespace tf::runtime

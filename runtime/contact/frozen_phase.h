@@ -23,6 +23,7 @@ struct FrozenProblem : ContactRows {
   std::vector<double> rate;            // n: a_n > 0
   std::vector<double> restitution;     // n: ε ≥ 0
   std::vector<ImpactLaw> law;          // n
+  double resolution = 0;               // velocities below are rounding
 
   void resize(int normals, int tangents);  // rates are 1, the law is Poisson's, all else 0
 };

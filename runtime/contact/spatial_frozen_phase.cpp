@@ -21,8 +21,14 @@ constexpr double feasibility = 1e-9;
 constexpr double solved = 1e-11;
 // Relative to the velocities: below `still` the direction of a slip is that of its reference, and a slip that comes to rest is zero; a
 // piece that leaves its straight continuation by less than `straight` is straight.
-constexpr double still = 2e-11, straight = 1e-13, accuracy = 1e-14;
-constexpr int keptBreakpoints = 1000, breakpointLimit = 5000;
+constexpr double still = 2e-11, straight = 1e-13, accuracy = 1e-13;
+constexpr int keptBreakpoints = 1000, breakpointLimit = 2000;
+// Of the steps over what is within `still` of zero: how many times as far as that they go, and by how often the next one may be longer.
+constexpr double stepBand = 32;
+constexpr int mostDoublings = 16, window = 8;
+constexpr double crowd = 1e-3, longLeap = 0.1;
+constexpr int leapColumns = 7;
+constexpr double leapAccuracy = 1e-12;
 
 // A quantity that is positive on the piece; the piece ends where it falls to zero.
 struct Watch {
@@ -54,6 +60,12 @@ struct SpatialFrozenPhase::Workspace {
   Eigen::VectorXd state, zeroState;  // P − P(begin of the step), ∫ c2 dτ
   std::vector<double> point, pointForce;
   double nextLength = 0;
+  double roundingSpeed = 0;    // velocities below are within rounding of zero
+  double stillSpeed = 0;       // slips below come to rest, or start
+  double motionless = solved;  // accelerations are zero below this part of the terms that they are sums of
+  double largestChange = 0;    // bound of |D λ|
+  int windowSteps = 0, windowBreakpoints = 0, crowding = 0;
+  double windowBegin = 0;
 
   void begin(const FrozenProblem &at, int forced);
   [[nodiscard]] bool pushes(int i) const { return velocity[i] < 0 || restitution.stored(i); }
@@ -63,8 +75,14 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] double slipSpeed(int j, const std::vector<double> &v) const {
     return isPair(j) ? std::hypot(v[n + j], v[n + j + 1]) : std::abs(v[n + j]);
   }
-  bool pose(int forced, ConeFrictionProblem &p);
-  bool findForces(int forced);
+  bool pose(int forced, double step, double band, ConeFrictionProblem &p);
+  bool findForces(int forced, double step, double band);
+  [[nodiscard]] bool anyNearZero() const;
+  bool stepOver(int forced, double step, double band);
+  bool settleNearZero(int forced);
+  void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;
+  bool passCrowd(int forced, bool &found);
+  bool leap(int forced, double length);
   void updateAcceleration();
   bool choose(int forced);
   void chooseTangent(int j);
@@ -80,8 +98,12 @@ struct SpatialFrozenPhase::Workspace {
   double responsiveness() const;
   bool moveTo(const Eigen::VectorXd &y, Eigen::VectorXd &rate);
   bool integrate(double h);
+  // The last step has missed the accuracy by little, as steps that end at an event may.
+  [[nodiscard]] bool nearlyIntegrated() const { return integrator.error() <= 1e3 * accuracy * scale / responsiveness(); }
+  bool findEvent(double &h, Watch &event, bool &found);
   double locate(const Watch &watch, double high);
   bool curve(double estimate, bool slipStops, Watch &event, bool &found);
+  [[nodiscard]] bool turnsFar() const;
   bool settleStop(const Watch &event, double &h, bool &found);
   void commit(double h, const Watch *event);
   void finishEvent(const Watch &event);
@@ -103,9 +125,20 @@ void SpatialFrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   scale = 0;
   for (const double v : velocity)
     scale = std::max(scale, std::abs(v));
+  roundingSpeed = std::max(rounding * scale, at.resolution);
+  stillSpeed = std::max(still * scale, 4 * roundingSpeed);
   for (double &v : velocity)
-    if (std::abs(v) <= rounding * scale)
+    if (std::abs(v) <= roundingSpeed)
       v = 0;
+  largestChange = 1e-300;
+  for (int r = 0; r < count; ++r) {
+    double sum = 0;
+    for (int c = 0; c < count; ++c)
+      sum += std::abs(at.delassus(r, c)) * (c < n ? at.rate[c] : at.friction[c - n] * at.rate[at.owner[c - n]]);
+    largestChange = std::max(largestChange, sum);
+  }
+  windowSteps = windowBreakpoints = crowding = 0;
+  windowBegin = 0;
   if (forced >= 0)
     velocity[forced] = std::min(velocity[forced], 0.0);
   restitution.begin(at.restitution, at.law, at.rate, {velocity.data(), static_cast<std::size_t>(n)});
@@ -132,14 +165,18 @@ bool SpatialFrozenPhase::Workspace::anyPushes() const {
   return false;
 }
 
-// As the planar phase; pairs that slip lie along their slip, `mode` has the frames. True: some slip of two components is zero.
-bool SpatialFrozenPhase::Workspace::pose(int forced, ConeFrictionProblem &p) {
+// As the planar phase; pairs that slip lie along their slip, `mode` has the frames. Rows within `band` of zero are decided by where a step
+// of this length takes them, w = v/step + D λ. True: some slip of two components is decided.
+bool SpatialFrozenPhase::Workspace::pose(int forced, double step, double band, ConeFrictionProblem &p) {
   p.resize(n, m);
   bool disks = false;
   for (int i = 0; i < n; ++i) {
-    const bool open = velocity[i] > 0 && !restitution.stored(i);
-    p.normalKind[i] = velocity[i] != 0 || i == forced || restitution.stored(i) ? NormalKind::Prescribed : NormalKind::Unilateral;
+    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i);
+    const bool open = decided && velocity[i] > 0 && !restitution.stored(i);
+    p.normalKind[i] = decided ? NormalKind::Prescribed : NormalKind::Unilateral;
     p.upper[i] = open ? 0.0 : problem->rate[i];
+    if (!decided && velocity[i] != 0)
+      p.bias[i] = velocity[i] / step;
   }
   for (int j = 0; j < m; ++j) {
     const int owner = problem->owner[j];
@@ -149,11 +186,16 @@ bool SpatialFrozenPhase::Workspace::pose(int forced, ConeFrictionProblem &p) {
       mode.setDirection(j, velocity[n + j], velocity[n + j + 1]);
     const bool loaded = problem->friction[j] > 0 && p.upper[owner] > 0;
     const double slip = isSecond(j) ? slipSpeed(j - 1, velocity) : isPair(j) ? slipSpeed(j, velocity) : velocity[n + j];
-    p.sign[j] = static_cast<std::int8_t>(slip > 0 ? 1 : slip < 0 ? -1 : 0);
-    if (!loaded || (isSecond(j) && slip != 0))
+    const bool decided = std::abs(slip) > band;
+    p.sign[j] = static_cast<std::int8_t>(!decided ? 0 : slip > 0 ? 1 : -1);
+    if (!loaded || (isSecond(j) && decided))
       continue;
-    p.tangentKind[j] = slip != 0 ? TangentKind::Slip : TangentKind::TwoSided;
-    if (slip == 0 && problem->partner[j] >= 0) {
+    p.tangentKind[j] = decided ? TangentKind::Slip : TangentKind::TwoSided;
+    if (decided)
+      continue;
+    if (!isSecond(j) && slip != 0)
+      p.bias[n + j] = slip / step;
+    if (problem->partner[j] >= 0) {
       p.partner[j] = problem->partner[j];
       disks = true;
     }
@@ -162,22 +204,169 @@ bool SpatialFrozenPhase::Workspace::pose(int forced, ConeFrictionProblem &p) {
   return disks;
 }
 
-bool SpatialFrozenPhase::Workspace::findForces(int forced) {
+bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double band) {
   ConeFrictionProblem &p = cone.problem();
-  if (pose(forced, p)) {
+  if (pose(forced, step, band, p)) {
     const ConeFrictionSolution &found = cone.solve(nullptr, feasibility);
     if (!found.solved)
       return false;
     force = found.force;
+    motionless = std::max(solved, 10 * found.violation);
   } else {
     planar.problem() = p;
     const PlanarFrictionSolution &found = planar.solve(nullptr, feasibility);
     if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled)
       return false;
     force = found.force;
+    motionless = solved;
   }
   mode.turnBack(*problem, force);
   return true;
+}
+
+bool SpatialFrozenPhase::Workspace::anyNearZero() const {
+  for (int i = 0; i < n; ++i)
+    if (velocity[i] != 0 && std::abs(velocity[i]) <= roundingSpeed && !restitution.stored(i))
+      return true;
+  for (int j = 0; j < m; ++j) {
+    if (isSecond(j) || problem->friction[j] == 0 || (velocity[problem->owner[j]] > roundingSpeed && !restitution.stored(problem->owner[j])))
+      continue;
+    const double speed = slipSpeed(j, velocity);
+    if (speed != 0 && speed <= (isPair(j) ? stillSpeed : roundingSpeed))
+      return true;
+  }
+  return false;
+}
+
+// A step of the implicit Euler method: contacts that reach zero within it stay there if forces hold them.
+bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double band) {
+  if (!findForces(forced, step, band))
+    return false;
+  updateAcceleration();
+  const std::vector<double> from = velocity;
+  for (int r = 0; r < n + m; ++r) {
+    velocity[r] += acceleration[r] * step;
+    impulse[r] += force[r] * step;
+  }
+  std::vector<std::uint8_t> rests;
+  markRests(from, step, band, rests);
+  for (int r = 0; r < n + m; ++r)
+    if (rests[r])
+      velocity[r] = 0;
+  for (int i = 0; i < n; ++i)
+    restitution.advance(i, from[i], (velocity[i] - from[i]) / step, step, false);
+  tau += step;
+  return true;
+}
+
+// Steps over what is nearly zero until nothing is.
+bool SpatialFrozenPhase::Workspace::settleNearZero(int forced) {
+  for (int k = 0; k <= mostDoublings && anyNearZero(); ++k) {
+    const double band = stepBand * stillSpeed * std::ldexp(1.0, k);
+    if (!stepOver(forced, band / largestChange, band) && k == mostDoublings)
+      return false;
+  }
+  return true;
+}
+
+// Where steps follow each other within no time to speak of, leaps over as many of them as possible; where breakpoints do, steps over all
+// that may happen, each time further.
+bool SpatialFrozenPhase::Workspace::passCrowd(int forced, bool &found) {
+  windowBreakpoints += found ? 1 : 0;
+  if (++windowSteps < window)
+    return true;
+  const bool breakpointsOnly = windowBreakpoints == windowSteps;
+  double length = tau - windowBegin;
+  windowSteps = windowBreakpoints = 0;
+  windowBegin = tau;
+  if (length > crowd * scale / largestChange) {
+    crowding = 0;
+    return true;
+  }
+  const double farthest = longLeap * scale / largestChange;
+  for (; length > 0 && length <= farthest && anyPushes() && leap(forced, length); length *= 2) {
+    found = true;
+    nextLength = infinity;
+  }
+  if (tau > windowBegin || !breakpointsOnly)
+    return true;
+  if (++crowding > mostDoublings)
+    return false;
+  const double band = stepBand * stillSpeed * std::ldexp(1.0, crowding);
+  nextLength = infinity;
+  return stepOver(forced, band / largestChange, band);
+}
+
+// Over the length by extrapolation of the implicit Euler method, for slips so slow that friction is stiff and their way is smooth all the
+// same, as where a force has just left its limit. False, and nothing has changed, where that does not converge.
+bool SpatialFrozenPhase::Workspace::leap(int forced, double length) {
+  const int count = n + m;
+  const std::vector<double> from = velocity;
+  const Eigen::Map<const Eigen::VectorXd> start(from.data(), count);
+  const double band = stepBand * length * largestChange;
+  std::array<Eigen::VectorXd, leapColumns> table;
+  Eigen::VectorXd carried, previous;
+  std::vector<std::uint8_t> rests;
+  bool converged = false;
+  for (int k = 0; k < leapColumns && !converged; ++k) {
+    velocity = from;
+    carried.setZero(count);
+    const double part = length / (k + 1);
+    for (int step = 0; step <= k; ++step) {
+      if (!findForces(forced, part, band)) {
+        velocity = from;
+        return false;
+      }
+      updateAcceleration();
+      for (int r = 0; r < count; ++r) {
+        velocity[r] += part * acceleration[r];
+        carried[r] += part * force[r];
+      }
+      markRests(from, part, band, rests);
+    }
+    for (int j = 0; j < k; ++j) {
+      const double ratio = static_cast<double>(k + 1) / (k - j);
+      previous = table[static_cast<std::size_t>(j)];
+      table[static_cast<std::size_t>(j)] = carried;
+      carried += (carried - previous) / (ratio - 1);
+    }
+    if (k > 1)
+      converged =
+          (problem->delassus.map() * (carried - table[static_cast<std::size_t>(k - 1)])).lpNorm<Eigen::Infinity>() <= leapAccuracy * scale;
+    table[static_cast<std::size_t>(k)] = carried;
+  }
+  const Eigen::VectorXd end = start + problem->delassus.map() * carried;
+  for (int i = 0; i < n; ++i)
+    converged =
+        converged && (from[i] == 0 || from[i] * end[i] > 0) && restitution.exhaustion(i, from[i], (end[i] - from[i]) / length) > length;
+  velocity = from;
+  if (!converged)
+    return false;
+  for (int r = 0; r < count; ++r) {
+    velocity[r] = rests[r] ? 0 : end[r];
+    impulse[r] += carried[r];
+  }
+  for (int i = 0; i < n; ++i)
+    restitution.advance(i, from[i], (velocity[i] - from[i]) / length, length, false);
+  tau += length;
+  return true;
+}
+
+// Rows within the band whose velocity a step of the implicit Euler method has brought to zero, or kept there.
+void SpatialFrozenPhase::Workspace::markRests(const std::vector<double> &from, double step, double band,
+                                              std::vector<std::uint8_t> &rests) const {
+  rests.assign(n + m, 0);
+  const auto isZero = [&](double speed, double before, double terms) {
+    return before <= band && speed <= std::max(roundingSpeed, 100 * feasibility * (before + terms * step));
+  };
+  for (int i = 0; i < n; ++i)
+    rests[i] = isZero(std::abs(velocity[i]), std::abs(from[i]), turnover[i]);
+  for (int j = 0; j < m; ++j) {
+    if (isSecond(j))
+      continue;
+    const int last = n + (isPair(j) ? j + 1 : j);
+    rests[n + j] = rests[last] = isZero(slipSpeed(j, velocity), slipSpeed(j, from), std::max(turnover[n + j], turnover[last]));
+  }
 }
 
 void SpatialFrozenPhase::Workspace::updateAcceleration() {
@@ -210,12 +399,12 @@ void SpatialFrozenPhase::Workspace::chooseTangent(int j) {
   }
   const double length = pair ? std::hypot(acceleration[row], acceleration[row + 1]) : std::abs(acceleration[row]);
   const double terms = pair ? std::max(turnover[row], turnover[row + 1]) : turnover[row];
-  if (length <= solved * terms && leaving[row] == 0) {
+  if (length <= motionless * terms && leaving[row] == 0) {
     mode.setTangent(*problem, j, FrozenMode::Tangent::Stick, 0);
     return;
   }
   // A force that has reached its limit, at zero acceleration: the slip leaves against it.
-  const bool starts = length > solved * terms;
+  const bool starts = length > motionless * terms;
   const double x = starts ? acceleration[row] : -force[row];
   if (pair)
     mode.setDirection(j, x, starts ? acceleration[row + 1] : -force[row + 1]);
@@ -224,7 +413,7 @@ void SpatialFrozenPhase::Workspace::chooseTangent(int j) {
 
 // Forces and the mode of the next piece; false where no successor exists.
 bool SpatialFrozenPhase::Workspace::choose(int forced) {
-  if (!findForces(forced))
+  if (!findForces(forced, 1, 0))
     return false;
   updateAcceleration();
   for (int i = 0; i < n; ++i) {
@@ -246,7 +435,7 @@ bool SpatialFrozenPhase::Workspace::choose(int forced) {
 
 // λ and w in the mode at `velocity`.
 bool SpatialFrozenPhase::Workspace::evaluate() {
-  if (!mode.forces(*problem, velocity, still * scale, force))
+  if (!mode.forces(*problem, velocity, stillSpeed, force))
     return false;
   updateAcceleration();
   for (int i = 0; i < n; ++i)
@@ -330,8 +519,7 @@ void SpatialFrozenPhase::Workspace::finishEvent(const Watch &event) {
     velocity[row] = 0;
     break;
   case Watch::Kind::PairSlip:
-    velocity[row] = velocity[row + 1] = 0;
-    break;
+    break;  // choose() decides
   case Watch::Kind::HeldLow:
     leaving[event.index] = -1;
     break;
@@ -371,7 +559,7 @@ void SpatialFrozenPhase::Workspace::listWatches() {
       watches.push_back({Watch::Kind::Stick, j, 1});
     else if (mode.tangent[j] == FrozenMode::Tangent::Slip)
       watches.push_back({isPair(j) ? Watch::Kind::PairSlip : Watch::Kind::Slip, j, static_cast<double>(mode.sign[j]),
-                         isPair(j) && slipSpeed(j, velocity) <= still * scale ? still * scale : 0.0});
+                         isPair(j) && slipSpeed(j, velocity) <= stillSpeed ? stillSpeed : 0.0});
   }
 }
 
@@ -415,7 +603,7 @@ bool SpatialFrozenPhase::Workspace::moveTo(const Eigen::VectorXd &y, Eigen::Vect
     for (int c = 0; c < count; ++c)
       point[r] += problem->delassus(r, c) * y[c];
   }
-  if (!mode.forces(*problem, point, still * scale, pointForce))
+  if (!mode.forces(*problem, point, stillSpeed, pointForce))
     return false;
   rate.resize(count + n);
   std::copy(pointForce.begin(), pointForce.end(), rate.data());
@@ -429,10 +617,10 @@ bool SpatialFrozenPhase::Workspace::integrate(double h) {
   const bool good = integrator.step(h, accuracy * scale / responsiveness(), rate);
   state = integrator.end();
   Eigen::VectorXd ignored;
-  return good && moveTo(state, ignored);
+  return moveTo(state, ignored) && good;
 }
 
-// Regula falsi (Illinois) on the step's length; the value is positive for short steps and negative at `high`.
+// Regula falsi (Illinois) on the step's length; the value is positive for short steps and negative at `high`. 0: shorter steps fail.
 double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
   double low = 0, lowValue = 0, highValue = value(watch, high);
   bool known = false;  // the value at `low`
@@ -441,8 +629,8 @@ double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
     double x = known ? (lowValue * high - highValue * low) / (lowValue - highValue) : 0.5 * (low + high);
     if (!(x > low && x < high))
       x = 0.5 * (low + high);
-    if (!integrate(x))
-      break;
+    if (!integrate(x) && !nearlyIntegrated())
+      return 0;
     const double v = value(watch, x);
     if (std::abs(v) <= 1e-16 * scale)
       return x;
@@ -481,7 +669,7 @@ void SpatialFrozenPhase::Workspace::commit(double h, const Watch *event) {
 
 // A slip whose part along its direction at the step's begin is zero: has it come to rest, or turned? Then a shorter step follows it.
 bool SpatialFrozenPhase::Workspace::settleStop(const Watch &event, double &h, bool &found) {
-  if (event.kind != Watch::Kind::PairSlip || slipSpeed(event.index, point) <= 5 * still * scale)
+  if (event.kind != Watch::Kind::PairSlip || slipSpeed(event.index, point) <= 5 * stillSpeed)
     return true;
   found = false;
   for (int k = 0; k < 100; ++k) {
@@ -492,14 +680,41 @@ bool SpatialFrozenPhase::Workspace::settleStop(const Watch &event, double &h, bo
   return false;
 }
 
+// The first event in the step h, which becomes its end. False: it cannot be located.
+bool SpatialFrozenPhase::Workspace::findEvent(double &h, Watch &event, bool &found) {
+  found = false;
+  for (std::size_t again = 0; again <= watches.size(); ++again) {
+    const auto fallen = std::find_if(watches.begin(), watches.end(), [&](const Watch &watch) {
+      return value(watch, h) < 0 && !(found && watch.kind == event.kind && watch.index == event.index);
+    });
+    if (fallen == watches.end())
+      break;
+    event = *fallen;
+    found = true;
+    const double located = locate(event, h);
+    if (!(located > 0) || (!integrate(located) && !nearlyIntegrated()))
+      return false;
+    h = located;
+  }
+  return !found || event.kind != Watch::Kind::Normal || std::abs(value(event, h)) <= stillSpeed;
+}
+
+// The direction of some slip that is not about zero at either end has changed by more than 40° in the step.
+bool SpatialFrozenPhase::Workspace::turnsFar() const {
+  return std::any_of(watches.begin(), watches.end(), [this](const Watch &watch) {
+    const double speed = slipSpeed(watch.index, point);
+    return watch.kind == Watch::Kind::PairSlip && watch.level == 0 && speed > stillSpeed && value(watch, 0) < 0.77 * speed;
+  });
+}
+
 // One step along a curved piece, to the first event in it. `estimate`: of the time to the next breakpoint.
 bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch &event, bool &found) {
   for (int j = 0; j < m; ++j)
-    if (isPair(j) && mode.tangent[j] == FrozenMode::Tangent::Slip && slipSpeed(j, velocity) > 10 * still * scale)
+    if (isPair(j) && mode.tangent[j] == FrozenMode::Tangent::Slip && slipSpeed(j, velocity) > 10 * stillSpeed)
       mode.setDirection(j, velocity[n + j], velocity[n + j + 1]);
   listWatches();
   const auto rate = [this](const Eigen::VectorXd &y, Eigen::VectorXd &f) { return moveTo(y, f); };
-  if (!integrator.start(zeroState, 0.1 * still * scale / responsiveness(), rate))
+  if (!integrator.start(zeroState, 0.1 * stillSpeed / responsiveness(), rate))
     return false;
   // A little beyond zeros that a straight piece would have, so that they are located at once, but for those of slips.
   double h = std::min(nextLength, slipStops ? estimate : 1.05 * estimate);
@@ -511,24 +726,24 @@ bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch
       return false;
   }
   nextLength = integrator.used() <= 6 ? 2 * h : h;
-  found = false;
-  for (std::size_t again = 0; again <= watches.size(); ++again) {
-    const auto fallen = std::find_if(watches.begin(), watches.end(), [&](const Watch &watch) {
-      return value(watch, h) < 0 && !(found && watch.kind == event.kind && watch.index == event.index);
-    });
-    if (fallen == watches.end())
-      break;
-    event = *fallen;
-    found = true;
-    h = locate(event, h);
-    if (!integrate(h))
+  for (int k = 0; !findEvent(h, event, found); ++k) {
+    do
+      h *= 0.5;
+    while (++k <= 60 && !integrate(h));
+    if (k > 60)
       return false;
   }
   if (found && !settleStop(event, h, found))
     return false;
+  // Where a slip has turned far, it may have missed its way to zero.
+  for (int k = 0; !found && turnsFar(); ++k) {
+    h *= 0.7;
+    if (k > 60 || !integrate(h))
+      return false;
+  }
   // Steps towards a slip's zero may end within its rounding.
   for (const Watch &watch : watches)
-    if (!found && watch.kind == Watch::Kind::PairSlip && watch.level == 0 && slipSpeed(watch.index, point) <= still * scale) {
+    if (!found && watch.kind == Watch::Kind::PairSlip && watch.level == 0 && slipSpeed(watch.index, point) <= stillSpeed) {
       event = watch;
       found = true;
     }
@@ -622,7 +837,7 @@ void SpatialFrozenPhase::Workspace::reconcile() {
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
   factor.setThreshold(1e-10);
   const Eigen::VectorXd correction = factor.compute(D).solve(rest);
-  if (correction.lpNorm<Eigen::Infinity>() * responsiveness() <= 1e3 * still * scale)
+  if (correction.lpNorm<Eigen::Infinity>() * responsiveness() <= 1e3 * stillSpeed)
     for (int a = 0; a < count; ++a)
       impulse[rows[a]] += correction[a];
 }
@@ -631,7 +846,17 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
   Watch event;
   FrozenEvent label = FrozenEvent::Start;
   bool found = true;  // a breakpoint: the mode is chosen anew
-  while (forced >= 0 || anyPushes()) {
+  int escapes = 0;
+  for (;;) {
+    if (anyNearZero()) {
+      if (!settleNearZero(forced))
+        return fail(FrozenStatus::Unsettled);
+      found = true;
+    }
+    if (!passCrowd(forced, found))
+      return fail(FrozenStatus::Cycle);
+    if (forced < 0 && !anyPushes())
+      break;
     if (found ? !choose(forced) : !evaluate())
       return fail(FrozenStatus::Unsettled);
     if (restitution.push(force)) {
@@ -662,8 +887,15 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
     if (++result.breakpointCount > breakpointLimit)
       return fail(FrozenStatus::Cycle);
     if (turns) {
-      if (!curve(duration, next.kind == Watch::Kind::PairSlip, event, found))
+      if (curve(duration, next.kind == Watch::Kind::PairSlip, event, found)) {
+        escapes = 0;
+        continue;
+      }
+      const double band = stepBand * stillSpeed * std::ldexp(1.0, ++escapes);
+      if (escapes > mostDoublings || !stepOver(forced, band / largestChange, band))
         return fail(FrozenStatus::Unsettled);
+      found = true;
+      nextLength = infinity;
       continue;
     }
     event = next;

@@ -7,6 +7,13 @@
 
 namespace tf::runtime {
 
+namespace {
+
+// What rows of contacts make of rounding errors of coordinates and velocities, relative to the largest velocity, at least 1.
+constexpr double roundingOfVelocities = 1e-13;
+
+}  // namespace
+
 void Impact::assemble(double time, const double *state, const std::vector<int> &contacts) {
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
@@ -32,6 +39,10 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
   }
   for (std::size_t j = 0; j < tangents.size(); ++j)
     problem_.slipVelocity[j] = at_.slip[tangents[j]];
+  double largest = 1;
+  for (int k = 0; k < model.nv; ++k)
+    largest = std::max(largest, std::abs(state[model.nq + k]));
+  problem_.resolution = roundingOfVelocities * largest;
 }
 
 // Impulse times velocity of the boundary: what the row's velocity J v lacks of its rate, and H v of zero.

@@ -1,3 +1,4 @@
+#include "runtime/contact/cone_friction.h"
 #include "runtime/contact/contact_solver.h"
 #include "runtime/contact/mode_forces.h"
 
@@ -133,6 +134,40 @@ TEST(ConeFriction, FeetAtTheBorderFollowTheNextDerivative) {
         EXPECT_NEAR(resolved.mode.direction[2 * i + 1], 0.8, 1e-9);
       }
     }
+  }
+}
+
+// The corners of a box's edge press with given forces, and their slips are zero or nearly: friction along the edge is shared in many ways,
+// so that the equations are singular; the motion is one all the same.
+TEST(ConeFriction, FrictionSharedAlongAnEdge) {
+  std::mt19937 generator(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  ConeFrictionSolver solver;
+  for (int run = 0; run < 300; ++run) {
+    const double a = 0.25 + 0.15 * uniform(generator), b = 0.25 + 0.15 * uniform(generator), c = 0.25 + 0.15 * uniform(generator);
+    const Eigen::Vector3d inertia((b * b + c * c) / 3, (a * a + c * c) / 3, (a * a + b * b) / 3);
+    const test::SpatialBody body = test::spatialBody(1, inertia.asDiagonal(), {{a, b, -c}, {a, -b, -c}});
+    ConeFrictionProblem &problem = solver.problem();
+    problem.resize(2, 4);
+    problem.delassus.map() = body.rows * body.mass.inverse() * body.rows.transpose();
+    Eigen::VectorXd motion(6);
+    for (double &v : motion)
+      v = (run % 2) * uniform(generator);
+    Eigen::Map<Eigen::VectorXd>(problem.bias.data(), 6) = body.rows * motion;
+    for (int i = 0; i < 2; ++i) {
+      problem.normalKind[i] = NormalKind::Prescribed;
+      problem.upper[i] = 1 + 0.5 * uniform(generator);
+    }
+    for (int j = 0; j < 4; ++j) {
+      problem.owner[j] = j / 2;
+      problem.partner[j] = j ^ 1;
+      problem.tangentKind[j] = TangentKind::TwoSided;
+      problem.friction[j] = 1 + uniform(generator) * (j % 2 == 0 ? 1 : 0);
+    }
+    problem.friction[1] = problem.friction[0];
+    problem.friction[3] = problem.friction[2];
+    const ConeFrictionSolution &solution = solver.solve(nullptr, 1e-9);
+    EXPECT_TRUE(solution.solved) << run << ": " << solution.violation;
   }
 }
 
