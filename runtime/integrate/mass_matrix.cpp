@@ -245,6 +245,11 @@ void MassMatrix::backwardEnvelope(const Block &block, double *x) const {
 }
 
 void MassMatrix::solve(const double *b, double *x) const {
+  if (inOrder_ && blocks_.size() == inverse_.size()) {
+    for (int i = 0; i < size_; ++i)
+      x[i] = b[i] * inverse_[i];
+    return;
+  }
   double *const y = inOrder_ ? x : work_.data();
   if (y != b)
     for (int place = 0; place < size_; ++place)

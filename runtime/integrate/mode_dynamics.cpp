@@ -22,7 +22,9 @@ ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
 bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate) {
   const tf_model &model = at_.model();
   mode_ = mode;
-  std::vector<int> contacts, tangents;
+  std::vector<int> &contacts = contacts_, &tangents = tangents_;
+  contacts.clear();
+  tangents.clear();
   for (int i = 0; i < model.nc; ++i) {
     mask_[i] = mode.closed[i];
     if (mode.closed[i])
@@ -105,6 +107,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());
     rows_.gather(at_, problem_);
+    hasRows_ = false;
     if (frictionIsNegative())
       return fail(EvaluationFailure::NegativeFriction);
   }
@@ -128,14 +131,20 @@ bool ModeDynamics::solveForces() {
 
 // All rows with D and φ, and their forces; `freeAcceleration` [nv] is the one without them.
 bool ModeDynamics::solveRows(double *freeAcceleration) {
-  rows_.respond(at_, problem_.delassus);
+  completeRows();
   at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration);
   rows_.bias(at_, freeAcceleration, problem_.bias);
   isComplete_ = true;
   return starting_ ? forces_.start(problem_, contactMode_) : forces_.evaluate(problem_);
 }
 
-// What folded forces leave out at the point of the last evaluation.
+// What folded forces leave out at the point of the last evaluation: W Jᵀ and D, and the forces as a function of them.
+void ModeDynamics::completeRows() {
+  if (!hasRows_)
+    rows_.respond(at_, problem_.delassus);
+  hasRows_ = true;
+}
+
 void ModeDynamics::complete() {
   if (!isComplete_)
     solveRows(change_.data());

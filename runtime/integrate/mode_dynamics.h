@@ -97,7 +97,9 @@ public:
   // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). Returns the size of the
   // correction relative to `scale` [n].
   double project(double *state, const double *scale) {
-    complete();
+    if (!projection_.isNeeded())
+      return 0;
+    completeRows();
     return projection_.project(state, scale, nothingStops_.data());
   }
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
@@ -126,6 +128,7 @@ private:
   [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
   bool solveRows(double *freeAcceleration);
+  void completeRows();
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
   bool solveSliding();
@@ -147,7 +150,8 @@ private:
   ModeForces forces_;
   FoldedForces folded_;
   bool isFolded_ = false;    // folded_ gives the forces
-  bool isComplete_ = false;  // rows_, problem_ and forces_ are those of the last evaluation too
+  bool hasRows_ = false;     // rows_ and D are those of the last evaluation too
+  bool isComplete_ = false;  // and forces_
   SlipDirections slips_;
   Projection projection_;
   std::vector<std::uint8_t> isPaired_;              // nt
@@ -161,6 +165,7 @@ private:
   long long evaluations_ = 0;
   bool starting_ = false;
   // workspaces
+  std::vector<int> contacts_, tangents_;
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
   Eigen::MatrixXd slidingMatrix_;
   Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;

@@ -88,7 +88,7 @@ void ModeDynamics::guardRates(double *rates) const {
 }
 
 double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
-  complete();
+  completeRows();
   at_.setPoint(at_.time(), state);
   at_.switching(ModelEvaluation::Slips);
   stops_ = nothingStops_;

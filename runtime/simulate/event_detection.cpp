@@ -150,7 +150,7 @@ void EventDetection::watchStart() {
 // A zero of a gap, which has a rate, by Newton's method in the bracket; `x` is the first guess.
 void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent &event) {
   const int contact = dynamics_.guards()[guard].index;
-  const double accuracy = 1e-9 * (event.high - event.low);
+  const double accuracy = 1e-12 * (event.high - event.low);
   double a = event.low, b = event.high, previous = 0;
   for (int k = 0; k < 60; ++k) {
     const double value = guardInside(guard, x) - zero;
@@ -172,37 +172,45 @@ void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent 
   }
 }
 
-// By the Illinois method.
+// By the Illinois method, until the estimates agree.
 void EventDetection::illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event) {
   double a = event.low, fa = lowValue, b = event.high, fb = highValue;
   double weightA = 1, weightB = 1;  // of the values, in the interpolation
   int side = 0;
-  // A gap that starts at zero is positive before it returns: halved until that is seen, however soon the return is.
   const double smallest = 8 * std::numeric_limits<double>::epsilon() * std::abs(b), close = 1e-9 * (b - a);
+  double last = b, lastValue = fb;
+  event.time = b;
   for (int k = 0; k < 80 && b - a > (fa > 0 ? close : smallest); ++k) {
     const double pa = weightA * fa, pb = weightB * fb;
-    double x = pa - pb > 0 ? (pa * b - pb * a) / (pa - pb) : 0.5 * (a + b);
+    // A gap that starts at zero is positive before it returns: halved until that is seen, however soon the return is.
+    const bool interpolated = fa > 0;
+    double x = interpolated ? (pa * b - pb * a) / (pa - pb) : 0.5 * (a + b);
     if (!(x > a && x < b))
       x = 0.5 * (a + b);
     const double fx = guardInside(guard, x) - zero;
     if (std::isnan(fx))
       break;
+    // A secant over a distance at which the values are more than rounding.
+    if (std::abs(x - last) > 10 * close)
+      event.slope = (fx - lastValue) / (x - last);
+    (fx >= 0 ? a : b) = x;
+    (fx >= 0 ? fa : fb) = fx;
     if (fx >= 0) {
-      a = x;
-      fa = fx;
       weightA = 1;
       weightB = side == 1 ? 0.5 * weightB : 1;
       side = 1;
     } else {
-      b = x;
-      fb = fx;
       weightB = 1;
       weightA = side == -1 ? 0.5 * weightA : 1;
       side = -1;
     }
+    // Where the guard has changed its sign.
+    event.time = fx < 0 ? x : std::min(b, x + close);
+    if (interpolated && std::abs(x - last) <= close)
+      break;
+    last = interpolated ? x : b;
+    lastValue = interpolated ? fx : fb;
   }
-  event.time = b;
-  event.slope = b > a ? (fb - fa) / (b - a) : 0;
 }
 
 // The first zero of a guard between samples of different signs, on the interpolant.
@@ -213,11 +221,12 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   const double secant = (low.time * atHigh - high.time * atLow) / (atHigh - atLow);
-  // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near.
-  const bool falls = dynamics_.guards()[guard].kind == GuardKind::Gap && armed_[guard] != Arming::Not && high.rate[guard] < 0;
-  const bool leaves = atLow <= 0 && low.rate[guard] > 0;
-  if (falls && (atLow > 0 || leaves))
-    newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], leaves ? low.time : secant), event);
+  // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near; where the
+  // start is not followed to rounding, the gap must be known to have opened.
+  const bool opens = armed_[guard] != Arming::Not || integrator_->startsToRounding();
+  const bool falls = dynamics_.guards()[guard].kind == GuardKind::Gap && opens && high.rate[guard] < 0;
+  if (falls)
+    newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], secant), event);
   if (!falls || (atLow <= 0 && !(event.slope < 0 && event.time - low.time > 1e-3 * (high.time - low.time))))
     illinoisZero(guard, zero, atLow, atHigh, event);
   if (first.guard < 0 || event.time < first.time)

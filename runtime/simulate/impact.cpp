@@ -75,7 +75,10 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
     forcedRow = static_cast<int>(place - contacts.begin());
   }
   const bool spatial = std::any_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner >= 0; });
-  const FrozenResult &result = spatial ? spatialPhase_.run(problem_, forcedRow) : phase_.run(problem_, forcedRow);
+  const FrozenResult *closedForm = forcedRow < 0 ? singlePhase_.run(problem_) : nullptr;
+  const FrozenResult &result = closedForm != nullptr ? *closedForm
+                               : spatial             ? spatialPhase_.run(problem_, forcedRow)
+                                                     : phase_.run(problem_, forcedRow);
   breakpoints_ = result.breakpointCount;
   if (result.status != FrozenStatus::Finished) {
     std::string names;

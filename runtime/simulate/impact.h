@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/contact/frozen_phase.h"
+#include "runtime/contact/single_contact_phase.h"
 #include "runtime/contact/spatial_frozen_phase.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/row_system.h"
@@ -33,6 +34,7 @@ private:
   ModelEvaluation &at_;
   RowSystem rows_;
   FrozenProblem problem_;
+  SingleContactPhase singlePhase_;
   FrozenPhase phase_;
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;

@@ -11,10 +11,12 @@ namespace tf::runtime {
 namespace {
 
 // Impacts are followed one by one until they are this much slower than the fastest one, however well their end is known.
-constexpr double slow = 1e-2;
+constexpr double slow = 3e-2;
+// Slower bounces than this part of the fastest one are low.
+constexpr double low = 1e-2;
 constexpr int firstImpacts = 3;
 // Predictions from so much earlier would not be among the latest when the impacts are slow.
-constexpr double early = 0.1;
+constexpr double early = 0.2;
 constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left.
 constexpr double nextShare = 0.5, leastChange = 0.75;
@@ -74,7 +76,7 @@ bool RestPrediction::recordImpact(double time, const double *before) {
     last_[i] = -at_.gapRate[i];
     fastest_[i] = std::max(fastest_[i], last_[i]);
     slowed = slowed || last_[i] <= early * fastest_[i];
-    bouncesLow_ = bouncesLow_ || last_[i] <= slow * fastest_[i];
+    bouncesLow_ = bouncesLow_ || last_[i] <= low * fastest_[i];
   }
   const double interval = time - lastImpact_;
   lastImpact_ = time;
