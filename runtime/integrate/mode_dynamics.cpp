@@ -96,6 +96,7 @@ bool ModeDynamics::frictionIsNegative() const {
 
 bool ModeDynamics::prepare(double time, const double *state) {
   ++evaluations_;
+  failure_ = EvaluationFailure::None;
   at_.setPoint(time, state);
   if (!slips_.empty()) {
     at_.switching(ModelEvaluation::Slips);

@@ -58,6 +58,7 @@ public:
   bool start(const Mode &mode, double time, const double *state, double *rate);
   // dy/dt; forces, accelerations and step variables are in model() afterwards. False: see failure().
   bool evaluate(double time, const double *state, double *rate);
+  // Of the last evaluation.
   [[nodiscard]] EvaluationFailure failure() const { return failure_; }
   // dt/dtau of the last evaluation.
   [[nodiscard]] double timeSpeed() const { return timeSpeed_; }

@@ -87,6 +87,8 @@ std::string FailureTexts::singularMass() const {
 std::string FailureTexts::evaluation() {
   const double time = at_.time();
   switch (dynamics_.failure()) {
+  case EvaluationFailure::None:
+    return fmt::format("the implicit equations of a step to an event have no solution at t = {:.10g}", time);
   case EvaluationFailure::SingularMass:
     return fmt::format("the mass matrix is singular at t = {:.10g}: {}", time, singularMass());
   case EvaluationFailure::SingularContact:
@@ -95,9 +97,10 @@ std::string FailureTexts::evaluation() {
     return fmt::format("the sliding mode of the switches has no solution at t = {:.10g}", time);
   case EvaluationFailure::NegativeFriction:
     return fmt::format("{} at t = {:.10g}", negativeFriction(), time);
-  default:
-    return fmt::format("{} at t = {:.10g}", nonFinite(), time);
+  case EvaluationFailure::NotFinite:
+    break;
   }
+  return fmt::format("{} at t = {:.10g}", nonFinite(), time);
 }
 
 std::string FailureTexts::place(tf_kind kind, int index) const {

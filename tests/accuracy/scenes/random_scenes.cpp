@@ -147,25 +147,26 @@ Scene planarScene(Random &random) {
   return scene;
 }
 
+// Up to 19 contacts.
 struct SpatialKind {
-  bool hasBox;
-  int spheres;
+  int boxes, spheres;
 };
 
-constexpr std::array<SpatialKind, 5> spatialKinds = {{{true, 0}, {false, 1}, {false, 2}, {false, 3}, {true, 1}}};
+constexpr std::array<SpatialKind, 7> spatialKinds = {{{1, 0}, {0, 1}, {0, 2}, {0, 3}, {1, 1}, {2, 0}, {2, 2}}};
 
 std::string spatialText(const SpatialKind &kind, const char *law) {
   std::string text = "model Scene\n  parameter Real mu[4] = zeros(4), e[4] = zeros(4);\n  gravity weight(acceleration = {0, 0, -9.81});\n";
-  if (kind.hasBox)
-    text += fmt::format(R"(  parameter Real side[3] = ones(3), m = 1;
-  coordinate Real r[3];
-  coordinate Rotation Q;
-  Real corner[8, 3] = {{r + Q*{{(if mod(k, 2) == 0 then -side[1] else side[1]), (if mod(div(k, 2), 2) == 0 then -side[2] else side[2]),
-    (if div(k, 4) == 0 then -side[3] else side[3])}} for k in 0:7}};
-  body box(mass = m, position = r, orientation = Q, inertia = m/3*{{{{side[2]^2 + side[3]^2, 0, 0}}, {{0, side[1]^2 + side[3]^2, 0}}, {{0, 0, side[1]^2 + side[2]^2}}}});
-  contact box_floor[8](gap = corner[:, 3], slip = der(corner[:, 1:2]), each friction = mu[1], each restitution = e[1], each law = ImpactLaw.{});
+  for (int i = 1; i <= kind.boxes; ++i)
+    text += fmt::format(R"(  parameter Real side{0}[3] = ones(3), mb{0} = 1;
+  coordinate Real r{0}[3];
+  coordinate Rotation Q{0};
+  Real corner{0}[8, 3] = {{r{0} + Q{0}*{{(if mod(k, 2) == 0 then -side{0}[1] else side{0}[1]), (if mod(div(k, 2), 2) == 0 then -side{0}[2] else side{0}[2]),
+    (if div(k, 4) == 0 then -side{0}[3] else side{0}[3])}} for k in 0:7}};
+  body box{0}(mass = mb{0}, position = r{0}, orientation = Q{0},
+    inertia = mb{0}/3*diagonal({{side{0}[2]^2 + side{0}[3]^2, side{0}[1]^2 + side{0}[3]^2, side{0}[1]^2 + side{0}[2]^2}}));
+  contact box_floor{0}[8](gap = corner{0}[:, 3], slip = der(corner{0}[:, 1:2]), each friction = mu[1], each restitution = e[1], each law = ImpactLaw.{1});
 )",
-                        law);
+                        i, law);
   for (int i = 1; i <= kind.spheres; ++i)
     text += fmt::format(R"(  parameter Real R{0} = 0.2, m{0} = 1;
   coordinate Real c{0}[3];
@@ -195,17 +196,29 @@ void addVector(Scene &scene, Random &random, const std::string &name, double lar
     scene.settings.emplace_back(fmt::format(fmt::runtime(name), k), random.between(-largest, largest));
 }
 
-void addBox(Scene &scene, Random &random) {
+// In any attitude: a unit quaternion with uniform distribution (Shoemake, Graphics Gems III, 1992).
+void addPose(Scene &scene, Random &random, int number) {
+  const double u = random.between(0, 1), a = random.between(0, 6.283185307179586), b = random.between(0, 6.283185307179586);
+  const std::array<double, 4> quaternion = {std::sqrt(1 - u) * std::sin(a), std::sqrt(1 - u) * std::cos(a), std::sqrt(u) * std::sin(b),
+                                            std::sqrt(u) * std::cos(b)};
+  for (int k = 1; k <= 4; ++k)
+    scene.settings.emplace_back(fmt::format("Q{}.q[{}]", number, k), quaternion[static_cast<std::size_t>(k - 1)]);
+}
+
+// Every other one lies flat.
+void addBox(Scene &scene, Random &random, int number) {
   double reach = 0;
   for (int k = 1; k <= 3; ++k) {
     const double side = random.between(0.1, 0.4);
     reach += side * side;
-    scene.settings.emplace_back(fmt::format("side[{}]", k), side);
+    scene.settings.emplace_back(fmt::format("side{}[{}]", number, k), side);
   }
-  scene.settings.emplace_back("m", random.between(0.2, 3));
-  scene.settings.emplace_back("r[3]", std::sqrt(reach) + random.between(0.05, 0.8));
-  addVector(scene, random, "der(r[{}])", 3);
-  addVector(scene, random, "Q.w[{}]", 6);
+  scene.settings.emplace_back(fmt::format("mb{}", number), random.between(0.2, 3));
+  scene.settings.emplace_back(fmt::format("r{}[3]", number), std::sqrt(reach) + random.between(0.05, 0.8));
+  addVector(scene, random, fmt::format("der(r{}[{{}}])", number), 3);
+  addVector(scene, random, fmt::format("Q{}.w[{{}}]", number), 6);
+  if (random.below(2) == 0)
+    addPose(scene, random, number);
 }
 
 void addSphere(Scene &scene, Random &random, int number) {
@@ -223,7 +236,7 @@ Scene spatialScene(Random &random) {
   const int choice = random.below(8);
   const char *law = laws[choice < 5 ? 0 : choice < 7 ? 1 : 2];
   Scene scene;
-  scene.name = fmt::format("space, {} box, {} spheres, {}", kind.hasBox ? 1 : 0, kind.spheres, law);
+  scene.name = fmt::format("space, {} boxes, {} spheres, {}", kind.boxes, kind.spheres, law);
   scene.model = spatialText(kind, law);
   scene.mayGainEnergy = choice == 7;
   const bool isInelastic = random.below(2) == 0;
@@ -231,8 +244,8 @@ Scene spatialScene(Random &random) {
     scene.settings.emplace_back(fmt::format("mu[{}]", k), random.coefficient(2));
     scene.settings.emplace_back(fmt::format("e[{}]", k), isInelastic ? 0 : random.coefficient(1));
   }
-  if (kind.hasBox)
-    addBox(scene, random);
+  for (int i = 1; i <= kind.boxes; ++i)
+    addBox(scene, random, i);
   for (int i = 1; i <= kind.spheres; ++i)
     addSphere(scene, random, i);
   return scene;
@@ -249,7 +262,7 @@ Scene randomScene(std::uint64_t seed) {
 
 bool isPlanar(const Scene &scene) { return scene.name.starts_with("plane"); }
 
-bool hasBoxes(const Scene &scene) { return !isPlanar(scene) && scene.name.find("1 box") != std::string::npos; }
+bool hasBoxes(const Scene &scene) { return !isPlanar(scene) && scene.name.find(" 0 boxes") == std::string::npos; }
 
 SceneOutcome runScene(const Scene &scene) {
   SceneOutcome outcome;
