@@ -58,6 +58,9 @@ draw tops
 simulate four_bar four_bar.tf --stop-time 0.6 --interval 0.01
 simulate slider_crank slider_crank.tf --interval 0.0001
 draw mechanisms
+simulate tumbling_box tumbling_box.tf --interval 0.005
+simulate tumbling_box_begin tumbling_box.tf --stop-time 1.4 --interval 0.01
+draw tumbling_box
 simulate relay relay.tf --interval 0.01
 simulate thermostat thermostat.tf --interval 0.05
 simulate incline incline.tf --interval 0.005

@@ -62,6 +62,27 @@ end SetTop;
   EXPECT_DOUBLE_EQ(model["R.q[3]"], 0.8);
 }
 
+// After the impacts, which accumulate where the box falls flat on its face: it slides until all four corners stick at once.
+TEST(TumblingBox, ComesToRestOnItsFace) {
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE}) {
+    SCOPED_TRACE(integrator);
+    CompiledModel model(example("tumbling_box.tf"));
+    model.tolerance(1e-8).integrator(integrator).initialise();
+    model.advance(4);
+    EXPECT_NEAR(model["p[3]"], 0.15, 1e-10);
+    double force = 0;
+    for (int i = 1; i <= 4; ++i) {
+      const std::string contact = "floor[" + std::to_string(i) + "].";
+      EXPECT_NEAR(model[contact + "gap"], 0, 1e-10);
+      EXPECT_EQ(model[contact + "sticking"], 1);
+      force += model[contact + "normalForce"];
+    }
+    EXPECT_NEAR(force, 9.81, 1e-8);
+    for (const char *name : {"der(p[1])", "der(p[2])", "der(p[3])", "Q.w[1]", "Q.w[2]", "Q.w[3]"})
+      EXPECT_NEAR(model[name], 0, 1e-10) << name;
+  }
+}
+
 // The linkage with angles and a constraint against the one with the crank's angle alone, whose other angles follow from the law of cosines.
 TEST(FourBar, AgreesWithMinimalCoordinates) {
   CompiledModel mixed(example("four_bar.tf"));

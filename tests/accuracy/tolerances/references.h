@@ -41,5 +41,6 @@ namespace tf::test {
 [[nodiscard]] Reference spinningTopReference();
 [[nodiscard]] Reference backspinBallReference();
 [[nodiscard]] Reference tippeTopReference();
+[[nodiscard]] Reference tumblingBoxReference();  // until it falls on its face
 
 }  // namespace tf::test

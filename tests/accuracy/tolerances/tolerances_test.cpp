@@ -51,6 +51,7 @@ std::vector<SweepCase> cases() {
       {"woodpecker", "woodpecker.tf", woodpeckerReference},
       {"backspin_ball", "backspin_ball.tf", backspinBallReference},
       {"tippe_top", "tippe_top.tf", tippeTopReference},
+      {"tumbling_box", "tumbling_box.tf", tumblingBoxReference},
   };
 }
 
