@@ -12,6 +12,9 @@ namespace {
 
 // Inequalities hold to this, relative to the force scale, where a representative is chosen: events are located to rounding, not exactly.
 constexpr double feasibility = 1e-9;
+// And to this where the set has just become empty: dependent equations leave a residual there, and what follows is decided with such
+// forces.
+constexpr double coarseFeasibility = 1e-7;
 
 }  // namespace
 
@@ -59,7 +62,8 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode) {
   w.redundant = w.set.singular(problem);
   bool valid = true;
   if (w.redundant)
-    valid = w.set.solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved;
+    valid = w.set.solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved ||
+            w.set.solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved;
   else
     valid = w.set.solveRegular(problem);
   w.listMargins();

@@ -138,6 +138,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   at_.setPoint(time, state);
   if (!at_.dynamics())
     return Trial::Failed;
+  redundant_ = false;
   if (rows_.count() == 0) {
     writeMode(previousContacts_);
     return Trial::Consistent;
@@ -157,6 +158,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
     text_ = fmt::format("the contact problem has no solution that could be found (largest violation {:.2e})", solution.violation);
     return Trial::Failed;
   }
+  redundant_ = solution.redundant;
   indeterminate_ = solution.status == ContactStatus::Indeterminate;
   forced_ = indeterminate_ && solution.forced >= 0 ? rows_.contacts()[solution.forced] : -1;
   writeMode(solution.mode);
@@ -168,6 +170,36 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
   writeMode(solver_.resolve(problem_, undecided, rates_, &previousContacts_).mode);
   return Trial::Consistent;
+}
+
+// The least forces of a redundant mode need not be those that the solver found it with: with them a slip that begins may not go where the
+// mode says. Its row is held at zero then, where that is admissible; the modes on both sides would only end each other.
+void ModeSelection::holdRows(double time, const double *state) {
+  if (!redundant_)
+    return;
+  const int normals = problem_.normalCount;
+  for (int pass = 0; pass < problem_.tangentCount; ++pass) {
+    const Mode before = mode_;
+    for (int j = 0; j < problem_.tangentCount; ++j) {
+      const int row = rows_.tangents()[j];
+      const auto direction = static_cast<int>(mode_.tangent[row]);
+      if (problem_.partner[j] >= 0 || problem_.slipSign[j] != 0 || mode_.tangent[row] == Tangent::None || direction == 0)
+        continue;
+      const double bias = rows_.tangentValue(at_.tangentBias.data(), 1, j);
+      double size = std::abs(bias);
+      for (int k = 0; k < at_.model().nv; ++k)
+        size += std::abs(rows_.jacobian(normals + j)[k] * at_.acceleration[k]);
+      if (direction * (rows_.product(normals + j, at_.acceleration.data()) + bias) < -1e-10 * size)
+        mode_.tangent[row] = Tangent::Stick;
+    }
+    if (mode_ == before)
+      return;
+    if (!dynamics_.start(mode_, time, state, rate_.data())) {
+      mode_ = before;
+      dynamics_.start(mode_, time, state, rate_.data());
+      return;
+    }
+  }
 }
 
 // Signs of d c/dt on the surfaces agree with the sides that were assigned.
@@ -225,6 +257,7 @@ ModeSelection::Trial ModeSelection::tryAssignment(double time, const double *sta
       return contacts;
     if (!dynamics_.start(mode_, time, state, rate_.data()))
       return sliding ? Trial::Inconsistent : Trial::Failed;
+    holdRows(time, state);
     if (!sliding || found == mode_)
       return conditionsHold(time, state) ? Trial::Consistent : Trial::Inconsistent;
     found = mode_;

@@ -62,6 +62,7 @@ private:
   void chooseRows(double time, const double *state, const Mode &previous);
   Trial tryAssignment(double time, const double *state);
   Trial solveContacts(double time, const double *state);
+  void holdRows(double time, const double *state);
   bool conditionsHold(double time, const double *state);
   void writeMode(const ContactMode &contacts);
   void readPrevious(const Mode &previous);
@@ -82,7 +83,7 @@ private:
   std::vector<std::uint8_t> candidates_, mask_;  // nc; nc + nf
   std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;
-  bool indeterminate_ = false;
+  bool redundant_ = false, indeterminate_ = false;  // of the contact problem solved last
   double worstViolation_ = 0;
   std::string text_;
 };
