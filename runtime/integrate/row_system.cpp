@@ -30,6 +30,7 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   nv_ = model.nv;
   jacobian_.assign(static_cast<std::size_t>(count()) * nv_, 0.0);
   half_ = scaled_ = jacobian_;
+  mobility_ = nullptr;  // until the rows are assembled: those of before are no more
   sum_.resize(nv_);
   begin_.assign(count(), 0);
   end_.assign(count(), nv_);
