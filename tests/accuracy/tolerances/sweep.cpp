@@ -130,59 +130,148 @@ Sensitivity sensitivityOf(const SweepCase &sweepCase, const Reference &reference
   return result;
 }
 
-SweepResult compare(const SweepCase &sweepCase, const Reference &reference, const Sensitivity &sensitivity, double tolerance,
-                    tf_integrator integrator) {
-  SweepResult result;
-  const auto bound = [&](double kappa) { return 10 * tolerance * std::max(1.0, kappa) + reference.error; };
-  const auto describe = [](const std::string &what, double time, double error) {
+namespace {
+
+// Events that coincide in one run have times of their own in another.
+bool parts(const std::vector<Event> &together, const std::vector<Event> &apart) {
+  for (std::size_t i = 0; i + 1 < together.size(); ++i)
+    if (std::abs(together[i + 1].time - together[i].time) < 1e-12 && std::abs(apart[i + 1].time - apart[i].time) > 1e-10)
+      return true;
+  return false;
+}
+
+}  // namespace
+
+std::string sensitivityMismatch(const SweepCase &sweepCase, const Reference &reference) {
+  constexpr double kChange = 1e-6;
+  const Run base = simulate(sweepCase, reference, kFine, TF_AUTO);
+  const auto isAtJump = [&](const Sample &sample) {
+    return std::any_of(reference.events.begin(), reference.events.end(),
+                       [&](const ReferenceEvent &event) { return std::abs(event.time - sample.time) < 1e-3; });
+  };
+  std::ostringstream mismatch;
+  for (const Start &start : startsOf(sweepCase)) {
+    const double change = kChange * scale(start.value);
+    const std::optional<Run> plus = changedRun(sweepCase, reference, base, start, change),
+                             minus = changedRun(sweepCase, reference, base, start, -change);
+    if (!plus || !minus || plus->events.size() != base.events.size() || minus->events.size() != base.events.size() ||
+        parts(base.events, plus->events))
+      continue;
+    CompiledModel model(sweepCase.file, sweepCase.settings);
+    if (sweepCase.setUp)
+      sweepCase.setUp(model);
+    const char *name = start.name.c_str();
+    if (tf_set_sensitivities(model.simulation(), &name, 1) != TF_OK)
+      continue;
+    try {
+      model.tolerance(kFine).initialise();
+      std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
+      for (std::size_t s = 0; s < reference.samples.size(); ++s) {
+        model.advance(reference.samples[s].time);
+        if (isAtJump(reference.samples[s]))
+          continue;
+        if (tf_get_sensitivity(model.simulation(), 0, all.data()) != TF_OK)
+          throw std::runtime_error(tf_error_text(model.simulation()));
+        for (std::size_t i = 0; i < reference.variables.size(); ++i) {
+          const int32_t index = tf_find(model.simulation(), reference.variables[i].c_str());
+          const double expected = (plus->states[s][i] - minus->states[s][i]) / (2 * change), found = all[static_cast<std::size_t>(index)];
+          if (!(std::abs(found - expected) <= 1e-2 * scale(expected))) {
+            mismatch << "d(" << reference.variables[i] << ")/d(" << start.name << ") at " << reference.samples[s].time << ": " << found
+                     << " instead of " << expected << '\n';
+            s = reference.samples.size();
+            break;
+          }
+        }
+      }
+    } catch (const std::exception &) {
+    }
+  }
+  return mismatch.str();
+}
+
+namespace {
+
+// One run against the reference.
+class Comparison {
+public:
+  Comparison(const Reference &reference, const Sensitivity &sensitivity, double tolerance, const Run &run)
+      : reference_(reference), sensitivity_(sensitivity), tolerance_(tolerance), run_(run) {}
+
+  SweepResult result() {
+    compareEvents();
+    findUnknownEvents();
+    compareStates();
+    return std::move(result_);
+  }
+
+private:
+  [[nodiscard]] double bound(double kappa) const { return 10 * tolerance_ * std::max(1.0, kappa) + reference_.error; }
+  [[nodiscard]] static std::string describe(const std::string &what, double time, double error) {
     std::ostringstream text;
     text << what << " at " << time << " by " << error;
     return text.str();
-  };
-  std::optional<Run> run;
-  try {
-    run = simulate(sweepCase, reference, tolerance, integrator);
-  } catch (const std::exception &error) {
-    result.failure = error.what();
-    return result;
   }
-  for (std::size_t e = 0; e < reference.events.size(); ++e) {
-    const ReferenceEvent &event = reference.events[e];
-    const Event *found = nearest(run->events, event.kind, event.time);
-    const double error = found ? std::abs(found->time - event.time) : INFINITY, ratio = error / bound(sensitivity.events[e]);
-    if (event.isRequired && !(ratio <= result.eventRatio)) {
-      result.eventRatio = ratio;
-      result.event = describe("event", event.time, error);
-    }
+  // Whether an event of the reference lies within the bound that belongs to its kappa, or `least`.
+  [[nodiscard]] bool isNearEvent(double time, const std::vector<double> &kappas, double least) const {
+    for (std::size_t e = 0; e < reference_.events.size(); ++e)
+      if (std::abs(reference_.events[e].time - time) <= std::max(least, bound(kappas[e])))
+        return true;
+    return false;
   }
-  for (const Event &event : run->events) {
-    const auto isNear = [&](const ReferenceEvent &other) {
-      const auto e = static_cast<std::size_t>(&other - reference.events.data());
-      return std::abs(other.time - event.time) <= bound(sensitivity.events[e]);
-    };
-    if (event.kind != TF_EVENT_TIME && event.time > 0 && event.time < reference.eventsUntil &&
-        std::none_of(reference.events.begin(), reference.events.end(), isNear))
-      result.failure = describe("an event of kind " + std::to_string(event.kind) + " that the reference does not have,", event.time, 0);
-  }
-  for (std::size_t s = 0; s < reference.samples.size(); ++s) {
-    const Sample &sample = reference.samples[s];
-    // Across a jump a state cannot be compared.
-    const auto isNear = [&](const ReferenceEvent &event) {
-      const auto e = static_cast<std::size_t>(&event - reference.events.data());
-      return std::abs(event.time - sample.time) <= std::max(kJump, bound(sensitivity.eventTimes[e]));
-    };
-    if (std::any_of(reference.events.begin(), reference.events.end(), isNear))
-      continue;
-    for (std::size_t i = 0; i < reference.variables.size(); ++i) {
-      const double error = std::abs(run->states[s][i] - sample.values[i]) / scale(sample.values[i]),
-                   ratio = error / bound(sensitivity.states[s]);
-      if (!(ratio <= result.stateRatio)) {
-        result.stateRatio = ratio;
-        result.state = describe(reference.variables[i], sample.time, error);
+
+  void compareEvents() {
+    for (std::size_t e = 0; e < reference_.events.size(); ++e) {
+      const ReferenceEvent &event = reference_.events[e];
+      const Event *found = nearest(run_.events, event.kind, event.time);
+      const double error = found ? std::abs(found->time - event.time) : INFINITY, ratio = error / bound(sensitivity_.events[e]);
+      if (event.isRequired && !(ratio <= result_.eventRatio)) {
+        result_.eventRatio = ratio;
+        result_.event = describe("event", event.time, error);
       }
     }
   }
-  return result;
+  void findUnknownEvents() {
+    for (const Event &event : run_.events)
+      if (event.kind != TF_EVENT_TIME && event.time > 0 && event.time < reference_.eventsUntil &&
+          !isNearEvent(event.time, sensitivity_.events, 0))
+        result_.failure = describe("an event of kind " + std::to_string(event.kind) + " that the reference does not have,", event.time, 0);
+  }
+  void compareStates() {
+    for (std::size_t s = 0; s < reference_.samples.size(); ++s) {
+      const Sample &sample = reference_.samples[s];
+      // Across a jump a state cannot be compared.
+      if (isNearEvent(sample.time, sensitivity_.eventTimes, kJump))
+        continue;
+      for (std::size_t i = 0; i < reference_.variables.size(); ++i) {
+        const double error = std::abs(run_.states[s][i] - sample.values[i]) / scale(sample.values[i]);
+        const double ratio = error / bound(sensitivity_.states[s]);
+        if (!(ratio <= result_.stateRatio)) {
+          result_.stateRatio = ratio;
+          result_.state = describe(reference_.variables[i], sample.time, error);
+        }
+      }
+    }
+  }
+
+  const Reference &reference_;
+  const Sensitivity &sensitivity_;
+  double tolerance_;
+  const Run &run_;
+  SweepResult result_;
+};
+
+}  // namespace
+
+SweepResult compare(const SweepCase &sweepCase, const Reference &reference, const Sensitivity &sensitivity, double tolerance,
+                    tf_integrator integrator) {
+  try {
+    const Run run = simulate(sweepCase, reference, tolerance, integrator);
+    return Comparison(reference, sensitivity, tolerance, run).result();
+  } catch (const std::exception &error) {
+    SweepResult result;
+    result.failure = error.what();
+    return result;
+  }
 }
 
 }  // namespace tf::test

@@ -36,6 +36,10 @@ struct Sensitivity {
 };
 
 [[nodiscard]] Sensitivity sensitivityOf(const SweepCase &sweepCase, const Reference &reference);
+// The runtime's own sensitivities by every start against differences of runs: where they differ by more than the differences can be wrong,
+// empty if nowhere. Runs that cannot be continued with sensitivities (through points of rest) are compared as far as they go. Starts that
+// part events which coincide are left out: the solution has no derivative by them.
+[[nodiscard]] std::string sensitivityMismatch(const SweepCase &sweepCase, const Reference &reference);
 [[nodiscard]] SweepResult compare(const SweepCase &sweepCase, const Reference &reference, const Sensitivity &sensitivity, double tolerance,
                                   tf_integrator integrator);
 

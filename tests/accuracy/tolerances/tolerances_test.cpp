@@ -78,6 +78,12 @@ TEST_P(Tolerances, BoundTheErrors) {
     }
 }
 
+TEST_P(Tolerances, SensitivitiesAreThoseOfDifferences) {
+  SweepCase sweepCase = GetParam();
+  sweepCase.file = example(sweepCase.file);
+  EXPECT_EQ(sensitivityMismatch(sweepCase, sweepCase.reference()), "");
+}
+
 INSTANTIATE_TEST_SUITE_P(Examples, Tolerances, testing::ValuesIn(cases()),
                          [](const testing::TestParamInfo<SweepCase> &testCase) { return testCase.param.name; });
 
