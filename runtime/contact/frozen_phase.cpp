@@ -80,7 +80,7 @@ void FrozenPhase::Workspace::roundVelocities() {
   for (int r = 0; r < problem->count(); ++r)
     fastest = std::max(fastest, std::abs(velocity[r]) / metric[r]);
   for (int r = 0; r < problem->count(); ++r)
-    if (std::abs(velocity[r]) <= rounding * fastest * metric[r])
+    if (std::abs(velocity[r]) <= std::max(rounding * fastest * metric[r], problem->resolution))
       velocity[r] = 0;
 }
 
@@ -262,7 +262,7 @@ void FrozenPhase::Workspace::advance(int row, double duration) {
     increment[count + r] = force[r] * duration;
   }
   for (int r = 0; r < count; ++r)
-    if (std::abs(velocity[r]) <= rounding * fastest * metric[r])
+    if (std::abs(velocity[r]) <= std::max(rounding * fastest * metric[r], problem->resolution))
       velocity[r] = 0;
   increment[2 * static_cast<std::size_t>(count)] = duration;
   tau += duration;
