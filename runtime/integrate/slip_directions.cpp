@@ -5,6 +5,13 @@
 
 namespace tf::runtime {
 
+namespace {
+
+// Slips below this part of the largest velocity are rounding errors of zero.
+constexpr double still = 1e-12;
+
+}  // namespace
+
 void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const ContactRows &problem, double time, const double *state) {
   const tf_model &model = at_.model();
   pairs_.clear();
@@ -50,7 +57,9 @@ void SlipDirections::renew(double time, const double *state) {
   for (Pair &pair : pairs_) {
     pair.held = false;
     const double x = at_.slip[pair.modelRow], y = at_.slip[pair.modelRow + 1], speed = std::hypot(x, y);
-    if (speed <= 10 * rounding_)
+    // A slow slip keeps its reference direction, unless it is clearly another one.
+    const bool isAstray = speed > still * largestVelocity() && along(pair) < 0.5 * speed;
+    if (speed <= 10 * rounding_ && !isAstray)
       continue;
     pair.c = x / speed;
     pair.s = y / speed;
