@@ -18,6 +18,7 @@ public:
 
   // Whether the impacts that follow have restitution.
   void setElastic(bool elastic) { elastic_ = elastic; }
+  [[nodiscard]] bool isElastic() const { return elastic_; }
   // Moves the velocities in `state` by the impulses of the contacts `contacts` (closed gaps) and tau by the phase's duration. `forced`: the
   // contact that starts a frictional impulse, or −1. `normalImpulse` [nc] is added to. False: the impact has no end, see text().
   bool apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse);

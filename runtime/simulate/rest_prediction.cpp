@@ -17,6 +17,8 @@ constexpr double low = 1e-2;
 constexpr int firstImpacts = 3;
 // Predictions from so much earlier would not be among the latest when the impacts are slow.
 constexpr double early = 0.2;
+// Without a prediction the next attempt is made after so many times the interval between the last impacts.
+constexpr double shortestWait = 2, longestWait = 1e3;
 constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left.
 constexpr double nextShare = 0.5, leastChange = 0.75;
@@ -54,6 +56,7 @@ void RestPrediction::forget() {
 void RestPrediction::restart() {
   forget();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
+  wait_ = shortestWait;
 }
 
 void RestPrediction::write(double *numbers) const {
@@ -387,9 +390,12 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
   Prediction prediction;
   if (!predict(time, state, prediction) || (sensitivities != nullptr && !differentiate(time, state, *sensitivities, prediction))) {
     forget();
-    nextAttempt_ = time + 4 * (time - previousImpact);
+    // Impacts of many contacts may go on for long without a repeating sequence, which is costly to find out.
+    wait_ = std::min(2 * wait_, longestWait);
+    nextAttempt_ = time + wait_ * (time - previousImpact);
     return nullptr;
   }
+  wait_ = shortestWait;
   nextAttempt_ = time + (1 - nextShare) * prediction.remaining;
   add(std::move(prediction));
   if (!extrapolate(tolerance, scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())

@@ -89,6 +89,7 @@ private:
   bool bouncesLow_ = false;
   double impacts_ = 0;                       // number
   double lastImpact_ = 0, nextAttempt_ = 0;  // times
+  double wait_ = 0;                          // of the last attempt without a prediction, in intervals between impacts
   std::vector<double> change_, moment_;      // workspaces
 };
 

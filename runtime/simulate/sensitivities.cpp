@@ -194,10 +194,8 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   return matrix_.allFinite();
 }
 
-bool Sensitivities::beginEvent(double time, const double *state, const double *rate, int guard) {
-  eventTime_.setZero();
-  if (guard < 0)
-    return true;
+// How the time of the guard's zero near (time, state) with rate f⁻ moves with each column. False: the guard only touches zero.
+bool Sensitivities::eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times) {
   std::copy_n(state, state_.size(), state_.begin());
   std::vector<double> &point = point_;
   // The guard along (δt, δy, δθ).
@@ -229,10 +227,25 @@ bool Sensitivities::beginEvent(double time, const double *state, const double *r
     double change = 0;
     if (!along(0, matrix_.col(index).data(), &columns_[k], scaleOf(columns_[k], matrix_.col(index).data()), change))
       return false;
-    eventTime_[index] = -change / slope;
+    times[index] = -change / slope;
+  }
+  return true;
+}
+
+EventDerivative Sensitivities::beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards) {
+  eventTime_.setZero();
+  for (std::size_t k = 0; k < guards.size(); ++k) {
+    Eigen::VectorXd times = eventTime_;
+    if (!eventTimes(time, state, rate, guards[k], times))
+      return EventDerivative::Touches;
+    constexpr double together = 1e-6;
+    if (k > 0 && (times - eventTime_).lpNorm<Eigen::Infinity>() > together * std::max(1.0, eventTime_.lpNorm<Eigen::Infinity>()))
+      return EventDerivative::Parts;
+    if (k == 0)
+      eventTime_ = times;
   }
   matrix_ += Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
-  return true;
+  return EventDerivative::Exists;
 }
 
 bool Sensitivities::propagate(const Map &map, double time, const double *state) {

@@ -18,6 +18,12 @@
 
 namespace tf::runtime {
 
+enum class EventDerivative : std::uint8_t {
+  Exists,
+  Touches,  // a guard only touches zero: its zero vanishes nearby
+  Parts     // several guards are zero at once, but not nearby: which one comes first decides
+};
+
 class Sensitivities {
 public:
   // Columns: numbers of variables that are parameters, coordinates, velocities, states (their starts) or inputs (a constant offset).
@@ -27,9 +33,9 @@ public:
   void start(double time);
   // S over the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be evaluated.
   bool addStep(SmoothIntegrator &integrator);
-  // An event at (time, state) with rate f⁻: at the zero of `guard` of the dynamics' mode, or (−1) at a time that does not depend on θ.
-  // False: the guard only touches zero, so that the sensitivities do not exist.
-  bool beginEvent(double time, const double *state, const double *rate, int guard);
+  // An event at (time, state) with rate f⁻: at the common zero of `guards` of the dynamics' mode, or (none) at a time that does not depend
+  // on θ.
+  EventDerivative beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards);
   // The state is mapped. `map` changes the state at a time in place; false where it cannot.
   using Map = std::function<bool(double time, double *state)>;
   bool propagate(const Map &map, double time, const double *state);
@@ -64,6 +70,7 @@ private:
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
   bool sampleStep(SmoothIntegrator &integrator, double begin, double length);
+  bool eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times);
   bool inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b);
 
   ModeDynamics &dynamics_;

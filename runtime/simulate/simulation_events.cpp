@@ -93,8 +93,42 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
     energy_->addImpact(time_, incoming.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
+  if (!impact_.isElastic())
+    if (const tf_status status = stopTogether(contacts, slow); status != TF_OK)
+      return status;
   for (int i : approaching)
     transitions.push_back({TF_EVENT_IMPACT, i});
+  return TF_OK;
+}
+
+// After an impact that the tolerance does not see: what is left of the velocities of these contacts and is as slow becomes zero. Slips with
+// two components have no direction there that is more than an error, and would start one another again and again.
+tf_status Simulation::Implementation::stopTogether(const std::vector<int> &contacts, double slow) {
+  Mode resting = mode_;
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  const auto slips = [&](int row, int count) { return std::hypot(at_.slip[row], count > 1 ? at_.slip[row + 1] : 0.0); };
+  for (const int i : contacts) {
+    const tf_contact &contact = model_.contacts[i];
+    resting.closed[i] = std::abs(at_.gapRate[i]) <= slow ? 1 : 0;
+    const bool pair = sharesDisk(contact);
+    for (int k = 0; k < contact.tangent_count; ++k) {
+      const int row = contact.tangent_first + k;
+      const double speed = pair ? slips(contact.tangent_first, 2) : slips(row, 1);
+      resting.tangent[row] = !resting.closed[i]          ? Tangent::None
+                             : speed <= slow             ? Tangent::Stick
+                             : pair || at_.slip[row] > 0 ? Tangent::SlipPositive
+                                                         : Tangent::SlipNegative;
+    }
+  }
+  const double *scale = integrators_.current().settings().scale.data();
+  const auto stop = [&](double time, double *state) {
+    dynamics_.start(resting, time, state);
+    return std::isfinite(dynamics_.project(state, scale));
+  };
+  if (sensitivities_ && !sensitivities_->propagate(stop, time_, state_.data()))
+    return failSensitivities("the impact");
+  stop(time_, state_.data());
   return TF_OK;
 }
 
@@ -162,9 +196,34 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   beginEvent();
   if (sensitivities_ && !dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  if (sensitivities_ && !sensitivities_->beginEvent(time_, state_.data(), rate_.data(), event.guard))
-    return failSensitivities("an event where a switching function touches zero");
+  if (const tf_status status = differentiateEvent(event.guard); status != TF_OK)
+    return status;
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
+}
+
+// The sensitivities at the zero of the guard. Contacts that close with it close together with it nearby, or there is no derivative.
+tf_status Simulation::Implementation::differentiateEvent(int guard) {
+  if (!sensitivities_)
+    return TF_OK;
+  const std::vector<Guard> &all = dynamics_.guards();
+  std::vector<int> guards = {guard};
+  if (all[guard].kind == GuardKind::Gap)
+    for (const int i : selection_.touching(time_, state_.data(), true))
+      for (int k = 0; k < static_cast<int>(all.size()); ++k)
+        if (k != guard && all[k].kind == GuardKind::Gap && all[k].index == i)
+          guards.push_back(k);
+  switch (sensitivities_->beginEvent(time_, state_.data(), rate_.data(), guards)) {
+  case EventDerivative::Exists:
+    return TF_OK;
+  case EventDerivative::Touches:
+    return failSensitivities("an event where a switching function touches zero");
+  case EventDerivative::Parts:
+    break;
+  }
+  std::string names;
+  for (const int k : guards)
+    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", model_.contacts[all[k].index].name);
+  return failSensitivities(fmt::format("the impact of {}, which come one after the other nearby,", names));
 }
 
 // The guard is zero at (time_, state_); `stopped` is the first tangential row of a slip of two components that has stopped, else −1.
