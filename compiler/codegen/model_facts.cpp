@@ -1,6 +1,9 @@
 #include "compiler/codegen/model_facts.h"
 
+#include "compiler/ir/sweep.h"
+
 #include <algorithm>
+#include <cassert>
 
 namespace tf::codegen {
 
@@ -35,6 +38,31 @@ int bindingDepth(const HybridSystem &system) {
 bool massIsConstant(const HybridSystem &system) {
   const auto varies = [](ir::Symbol symbol) { return symbol.kind != ir::SymbolKind::Parameter && symbol.kind != ir::SymbolKind::Seed; };
   return !ir::dependsOn(system.graph, system.massProduct.empty() ? system.mass : system.massProduct, varies);
+}
+
+bool MassStructure::isFull() const {
+  const std::size_t n = rows.size() - 1;
+  return columns.size() == n * (n - (n > 0 ? 1 : 0)) / 2;
+}
+
+MassStructure massStructure(const HybridSystem &system) {
+  const auto n = static_cast<std::size_t>(system.nv);
+  MassStructure result;
+  result.rows.push_back(0);
+  std::vector<std::vector<int>> swept;
+  if (system.massProduct.empty())
+    assert(system.mass.size() == n * n);
+  else
+    swept = ir::seedStructure(system.graph, system.massProduct, system.nv);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (!swept.empty())
+      std::ranges::copy_if(swept[i], std::back_inserter(result.columns), [i](int j) { return static_cast<std::size_t>(j) < i; });
+    for (std::size_t j = 0; j < i && swept.empty(); ++j)
+      if (!system.graph.isConstant(system.mass[i * n + j], 0))
+        result.columns.push_back(static_cast<int>(j));
+    result.rows.push_back(static_cast<int>(result.columns.size()));
+  }
+  return result;
 }
 
 }  // namespace tf::codegen

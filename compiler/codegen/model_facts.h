@@ -3,11 +3,20 @@
 
 #include "compiler/mechanics/hybrid_system.h"
 
+#include <vector>
+
 namespace tf::codegen {
 
 // Length of the longest chain of bound parameters that depend on one another; 0 if none is bound.
 [[nodiscard]] int bindingDepth(const HybridSystem &system);
 // M depends on parameters only.
 [[nodiscard]] bool massIsConstant(const HybridSystem &system);
+
+// Entries of M below the diagonal that may differ from zero: columns[rows[i]] … columns[rows[i + 1] − 1] of row i, ascending.
+struct MassStructure {
+  std::vector<int> rows, columns;
+  [[nodiscard]] bool isFull() const;
+};
+[[nodiscard]] MassStructure massStructure(const HybridSystem &system);
 
 }  // namespace tf::codegen

@@ -6,6 +6,7 @@
 #include <llvm/IR/Constants.h>
 #include <llvm/IR/DerivedTypes.h>
 
+#include <array>
 #include <cassert>
 #include <cstddef>
 #include <limits>
@@ -132,6 +133,19 @@ llvm::Constant *parameters(const HybridSystem &system, TableBuilder &build) {
   return build.table(values, "parameters");
 }
 
+// Rows and columns; null where M is full.
+std::array<llvm::Constant *, 2> massTables(const HybridSystem &system, TableBuilder &build) {
+  const MassStructure structure = massStructure(system);
+  if (structure.isFull())
+    return {build.null(), build.null()};
+  Constants rows, columns;
+  for (const int begin : structure.rows)
+    rows.push_back(build.integer(begin));
+  for (const int column : structure.columns)
+    columns.push_back(build.integer(column));
+  return {build.table(rows, "mass_rows"), build.table(columns, "mass_columns")};
+}
+
 llvm::Constant *given(const std::optional<double> &value, TableBuilder &build) {
   return build.number(value.value_or(std::numeric_limits<double>::quiet_NaN()));
 }
@@ -160,6 +174,8 @@ void emitModelTable(const HybridSystem &system, const SourceManager &sources, co
     fields.push_back(table);
   fields.push_back(build.integer(bindingDepth(system)));
   fields.push_back(build.integer(massIsConstant(system) ? 1 : 0));
+  for (llvm::Constant *table : massTables(system, build))
+    fields.push_back(table);
   const flat::Experiment &experiment = system.experiment;
   for (const auto &value : {experiment.startTime, experiment.stopTime, experiment.tolerance, experiment.interval})
     fields.push_back(given(value, build));

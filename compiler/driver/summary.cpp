@@ -90,8 +90,8 @@ std::string work(const tf_statistics &s, bool hasContacts) {
                   "breakpoints\n",
                   s.rejected_steps, s.evaluations, s.jacobians, s.newton_iterations, s.contact_solves, s.frozen_phases, s.breakpoints);
   if (hasContacts)
-    text += fmt::format("  least gap {}, least normal force {}, largest residual {}\n", number(s.worst_gap), number(s.worst_normal_force),
-                        number(s.worst_residual));
+    text += fmt::format("  least gap {}, least normal force {}\n  largest residual of contact problems {}, of impacts {}\n",
+                        number(s.worst_gap), number(s.worst_normal_force), number(s.worst_residual), number(s.worst_impact_residual));
   return text;
 }
 

@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 3u
+#define TF_ABI_VERSION 4u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -182,6 +182,9 @@ typedef struct tf_model {
   const double *parameters;                          /* np: the values of unbound parameters (0 for bound ones) */
   int32_t binding_depth;                             /* bindings must be evaluated this often for all bound parameters to be right */
   int32_t mass_is_constant;                          /* M depends on parameters only */
+  /* Entries of M below the diagonal that may differ from zero: mass_columns[mass_rows[i]] ... mass_columns[mass_rows[i + 1] - 1] of row i,
+     ascending. mass_rows: nv + 1; null where all entries may. */
+  const int32_t *mass_rows, *mass_columns;
   double start_time, stop_time, tolerance, interval; /* of annotation(experiment); NaN where not given */
 
   /* in: P. out: 0 values [np] of bound parameters out of the others. */

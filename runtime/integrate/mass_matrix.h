@@ -16,6 +16,7 @@ public:
   // Entries below the diagonal that may differ from zero: columns[rows[i]] … columns[rows[i + 1] − 1] of row i, ascending. Null: all.
   explicit MassMatrix(int size, const std::int32_t *rows = nullptr, const std::int32_t *columns = nullptr);
 
+  [[nodiscard]] int size() const { return size_; }
   // Factorises M [n × n, row-major, symmetric]. False if it is not positive definite (or not finite).
   bool factorise(const double *mass);
   // x = M⁻¹ b; x and b may be the same.

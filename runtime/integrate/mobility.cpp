@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 namespace tf::runtime {
 
@@ -14,11 +15,11 @@ constexpr double independence = 1e-6;
 
 }  // namespace
 
-Mobility::Mobility(int velocities, int constraints)
-    : nv_(velocities), nh_(constraints), rank_(constraints), mass_(velocities), jacobian_(velocities, constraints),
-      response_(velocities, constraints), half_(velocities, constraints), scaledHalf_(velocities, constraints),
-      inertia_(constraints, constraints), scale_(constraints), factor_(constraints), decomposition_(constraints, constraints),
-      work_(constraints), solution_(constraints), second_(velocities) {
+Mobility::Mobility(MassMatrix mass, int constraints)
+    : nv_(mass.size()), nh_(constraints), rank_(constraints), mass_(std::move(mass)), jacobian_(nv_, constraints),
+      response_(nv_, constraints), half_(nv_, constraints), scaledHalf_(nv_, constraints), inertia_(constraints, constraints),
+      scale_(constraints), factor_(constraints), decomposition_(constraints, constraints), work_(constraints), solution_(constraints),
+      second_(nv_) {
   decomposition_.setThreshold(independence * independence);
 }
 

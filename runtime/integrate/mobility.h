@@ -19,8 +19,8 @@ struct DependentRow {
 
 class Mobility {
 public:
-  // nv velocities, nh constraint rows
-  Mobility(int velocities, int constraints);
+  // nh constraint rows on the velocities of the mass matrix
+  Mobility(MassMatrix mass, int constraints);
 
   // M [nv × nv, row-major, symmetric]. False if it is not positive definite (or not finite).
   bool setMass(const double *mass);

@@ -93,6 +93,22 @@ Outcome<void> checkCounts(const tf_model &model) {
   return {};
 }
 
+Outcome<void> checkMassStructure(const tf_model &model) {
+  if (model.mass_rows == nullptr)
+    return {};
+  if (model.mass_rows[0] != 0)
+    return damaged("the structure of its mass matrix does not begin at 0");
+  for (std::int32_t i = 0; i < model.nv; ++i) {
+    const std::int32_t begin = model.mass_rows[i], end = model.mass_rows[i + 1];
+    if (end < begin || end - begin > i || (end > begin && model.mass_columns == nullptr))
+      return damaged(fmt::format("row {} of its mass matrix has {} entries", i, end - begin));
+    for (std::int32_t k = begin; k < end; ++k)
+      if (model.mass_columns[k] < (k == begin ? 0 : model.mass_columns[k - 1] + 1) || model.mass_columns[k] >= i)
+        return damaged(fmt::format("row {} of its mass matrix has an entry in column {}", i, model.mass_columns[k]));
+  }
+  return {};
+}
+
 Outcome<void> checkFunctions(const tf_model &model) {
   for (const tf_function function :
        {model.bindings, model.starts, model.dynamics, model.switching, model.contact_terms, model.contact_parameters,
@@ -190,7 +206,7 @@ Outcome<void> checkModel(const tf_model &model) {
     return Failure{fmt::format(
         "the model was compiled for version {} of the interface of compiled models, this program has version {}; compile it again",
         model.abi_version, TF_ABI_VERSION)};
-  for (const auto check : {checkCounts, checkFunctions, checkVariables, checkElements})
+  for (const auto check : {checkCounts, checkMassStructure, checkFunctions, checkVariables, checkElements})
     if (auto checked = check(model); !checked)
       return checked;
   return {};

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace tf::runtime {
 
@@ -65,6 +66,34 @@ void Impact::measureWork(const double *impulse, const double *velocities) {
       boundaryWork_ += multiplier_[row] * at_.constraintJacobian[row * model.nv + k] * velocities[k];
 }
 
+// What the end of an impact must satisfy however it was found: v⁺ = v⁻ + D Λ, no contact approaches, Λ_n ≥ 0 and ‖Λ_t‖ ≤ μ Λ_n (the
+// integral of forces within the cone is within it). Relative to the largest velocity, all rows in the metric of D.
+void Impact::certify(const FrozenResult &result) {
+  const int n = problem_.normalCount, count = problem_.count();
+  const auto metric = [this](int r) { return problem_.delassus(r, r) > 0 ? std::sqrt(problem_.delassus(r, r)) : 1.0; };
+  double scale = 0, worst = 0;
+  const auto include = [&worst](double violation) { worst = violation > worst || std::isnan(violation) ? violation : worst; };
+  for (int r = 0; r < count; ++r) {
+    const double before = r < n ? problem_.normalVelocity[r] : problem_.slipVelocity[r - n], after = result.velocity[r];
+    double change = 0;
+    for (int c = 0; c < count; ++c)
+      change += problem_.delassus(r, c) * result.impulse[c];
+    scale = std::max({scale, std::abs(before) / metric(r), std::abs(after) / metric(r)});
+    include(std::abs(after - before - change) / metric(r));
+    if (r < n)
+      include(std::max(-after / metric(r), -result.impulse[r] * metric(r)));
+  }
+  for (int j = 0; j < problem_.tangentCount; ++j) {
+    const int partner = problem_.partner[j], owner = problem_.owner[j];
+    if (partner >= 0 && partner < j)
+      continue;
+    const double size = partner < 0 ? std::abs(result.impulse[n + j]) : std::hypot(result.impulse[n + j], result.impulse[n + partner]);
+    include((size - problem_.friction[j] * result.impulse[owner]) * metric(n + j));
+  }
+  if (scale > 0)
+    worstResidual_ = std::max(worstResidual_, worst / scale);
+}
+
 bool Impact::apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse) {
   const tf_model &model = at_.model();
   assemble(time, state, contacts);
@@ -90,6 +119,7 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
                 : fmt::format("the impact of {} has no continuation that could be found", names);
     return false;
   }
+  certify(result);
   measureWork(result.impulse.data(), state + model.nq);
   rows_.accelerate(result.impulse.data(), state + model.nq);
   state[at_.tauIndex()] += result.duration;

@@ -27,9 +27,13 @@ public:
   // Work that moving boundaries and time-dependent constraints did in the last impact.
   [[nodiscard]] double boundaryWork() const { return boundaryWork_; }
   [[nodiscard]] int breakpoints() const { return breakpoints_; }
+  // The largest residual of the impacts since resetStatistics: see certify.
+  [[nodiscard]] double worstResidual() const { return worstResidual_; }
+  void resetStatistics() { worstResidual_ = 0; }
 
 private:
   void measureWork(const double *impulse, const double *velocities);
+  void certify(const FrozenResult &result);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
 
   ModelEvaluation &at_;
@@ -42,7 +46,7 @@ private:
   std::string text_;
   bool elastic_ = true;
   int breakpoints_ = 0;
-  double boundaryWork_ = 0;
+  double boundaryWork_ = 0, worstResidual_ = 0;
   std::vector<double> impulse_, multiplier_;
 };
 

@@ -81,6 +81,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   statistics_ = {};
   dynamics_.resetStatistics();
   selection_.resetStatistics();
+  impact_.resetStatistics();
   invariants_.start();
   redundancy_.start();
   time_ = startTime;
@@ -343,6 +344,7 @@ const tf_statistics &Simulation::Implementation::statistics() {
   integrators_.addStatistics(statistics_);
   statistics_.evaluations = dynamics_.evaluations();
   statistics_.worst_residual = selection_.worstViolation();
+  statistics_.worst_impact_residual = impact_.worstResidual();
   const Extreme &gap = invariants_.gap(), &force = invariants_.normalForce();
   const Extreme &constraint = invariants_.constraint(), &energy = invariants_.energy();
   statistics_.worst_gap = gap.value;

@@ -41,7 +41,11 @@ protected:
     const ir::NodeId p2 = g.symbol(ir::SymbolKind::Parameter, 2);
     system.parameterValues = {1.5, 9, 9, -0.25};
     system.parameterBindings = {-1, g.add(p0, p2), g.mul(p0, p0), -1};
-    system.mass = {p0, g.constant(0), g.constant(0), p1};
+    system.mass.assign(25, g.constant(0));
+    for (const int entry : {0, 6, 12, 18, 24})
+      system.mass[entry] = p0;
+    for (const int entry : {1, 5, 13, 17, 3, 15})
+      system.mass[entry] = p1;
     system.contacts = {{"floor", span, -1, -1, -1, {}, 0, 1, -1, -1, -1, TF_LAW_STRONGE, 0.5}};
     system.frictions = {{"brake", {}, 1, 2, -1, TF_FRICTION_POLYHEDRAL}};
     system.tangents.resize(3);
@@ -65,6 +69,8 @@ protected:
               (std::vector<int>{6, 5, 1, 1, 4, 1, 3, 1, 1, 1, 1, 1, 2, 3, 1}));
     EXPECT_EQ(m.binding_depth, 2);
     EXPECT_EQ(m.mass_is_constant, 1);
+    EXPECT_EQ((std::vector(m.mass_rows, m.mass_rows + 6)), (std::vector{0, 0, 1, 1, 3, 3}));
+    EXPECT_EQ((std::vector(m.mass_columns, m.mass_columns + 3)), (std::vector{0, 0, 2}));
     EXPECT_TRUE(std::isnan(m.start_time) && std::isnan(m.tolerance) && std::isnan(m.interval));
     EXPECT_EQ(m.stop_time, 2.5);
     EXPECT_EQ((std::vector(m.parameters, m.parameters + 4)), (std::vector{1.5, 0.0, 0.0, -0.25}));

@@ -40,7 +40,7 @@ void load(Mobility &mobility, const System &system) {
 
 TEST(Mobility, AccelerationsAndMultipliersSolveTheSaddlePointSystem) {
   const System system = randomSystem(6, 3);
-  Mobility mobility(6, 3);
+  Mobility mobility(MassMatrix(6), 3);
   load(mobility, system);
   EXPECT_EQ(mobility.rank(), 3);
   Eigen::VectorXd acceleration(6), multipliers(3);
@@ -53,7 +53,7 @@ TEST(Mobility, AccelerationsAndMultipliersSolveTheSaddlePointSystem) {
 
 TEST(Mobility, ImpulsesDoNotMoveAgainstConstraints) {
   const System system = randomSystem(5, 2);
-  Mobility mobility(5, 2);
+  Mobility mobility(MassMatrix(5), 2);
   load(mobility, system);
   Eigen::VectorXd x = system.force;
   mobility.apply(x.data(), x.data());
@@ -66,7 +66,7 @@ TEST(Mobility, ImpulsesDoNotMoveAgainstConstraints) {
 
 TEST(Mobility, RedundantRowsAreFoundAndChangeNothing) {
   System system = randomSystem(6, 2);
-  Mobility independent(6, 2);
+  Mobility independent(MassMatrix(6), 2);
   load(independent, system);
   Eigen::VectorXd expected(6);
   independent.accelerate(system.force.data(), system.bias.data(), expected.data());
@@ -77,7 +77,7 @@ TEST(Mobility, RedundantRowsAreFoundAndChangeNothing) {
       system.constraints.row(1);
   redundant.bias.resize(3);
   redundant.bias << system.bias[0], 1e3 * (system.bias[0] - 2 * system.bias[1]), system.bias[1];
-  Mobility mobility(6, 3);
+  Mobility mobility(MassMatrix(6), 3);
   load(mobility, redundant);
   EXPECT_EQ(mobility.rank(), 2);
   const std::vector<DependentRow> dependent = mobility.dependentRows();
@@ -94,7 +94,7 @@ TEST(Mobility, RedundantRowsAreFoundAndChangeNothing) {
 TEST(Mobility, ARowThatVanishesHasNoForce) {
   System system = randomSystem(4, 2);
   system.constraints.row(1).setZero();
-  Mobility mobility(4, 2);
+  Mobility mobility(MassMatrix(4), 2);
   load(mobility, system);
   EXPECT_EQ(mobility.rank(), 1);
   Eigen::VectorXd multipliers(2);
@@ -104,7 +104,7 @@ TEST(Mobility, ARowThatVanishesHasNoForce) {
 
 TEST(Mobility, CorrectionsAreLeastInTheMetricOfTheMass) {
   const System system = randomSystem(5, 2);
-  Mobility mobility(5, 2);
+  Mobility mobility(MassMatrix(5), 2);
   load(mobility, system);
   const Eigen::VectorXd wanted = Eigen::VectorXd::Random(2);
   Eigen::VectorXd change = Eigen::VectorXd::Zero(5);
@@ -119,7 +119,7 @@ TEST(Mobility, CorrectionsAreLeastInTheMetricOfTheMass) {
 TEST(Mobility, RefusesRowsThatAreNotFinite) {
   System system = randomSystem(3, 1);
   system.constraints(0, 1) = std::numeric_limits<double>::quiet_NaN();
-  Mobility mobility(3, 1);
+  Mobility mobility(MassMatrix(3), 1);
   ASSERT_TRUE(mobility.setMass(system.mass.data()));
   EXPECT_FALSE(mobility.setConstraints(system.constraints.data()));
 }

@@ -71,7 +71,7 @@ TEST_F(Loading, RefusesOtherFiles) {
   EXPECT_EQ(reason(sample("other")), "it is a shared library, but not a compiled model");
   EXPECT_EQ(reason(sample("next_symbol")), "it was compiled for another version of the interface of compiled models; compile it again");
   EXPECT_EQ(reason(sample("newer")),
-            "the model was compiled for version 4 of the interface of compiled models, this program has version 3; compile it again");
+            "the model was compiled for version 5 of the interface of compiled models, this program has version 4; compile it again");
   EXPECT_EQ(reason(sample("unmarked")), "not a compiled model: its table does not begin with the mark of one");
   EXPECT_EQ(reason(sample("incomplete")), "the compiled model is damaged: a function is missing");
 }
@@ -156,6 +156,23 @@ INSTANTIATE_TEST_SUITE_P(
                     Defect{"'corner[2]' has 1 tangential rows from row 3", inContacts([](auto &c) { c[1].tangent_first = 3; })},
                     Defect{"'corner[1]' has 3 tangential rows from row 0", inContacts([](auto &c) { c[0].tangent_count = 3; })},
                     Defect{"'corner[4]' has the impact law 7", inContacts([](auto &c) { c[3].law = 7; })},
+                    Defect{"the structure of its mass matrix does not begin at 0",
+                           [](tf_model &model) {
+                             static constexpr std::int32_t kRows[] = {1, 1, 1, 1};
+                             model.mass_rows = kRows;
+                           }},
+                    Defect{"row 1 of its mass matrix has 2 entries",
+                           [](tf_model &model) {
+                             static constexpr std::int32_t kRows[] = {0, 0, 2, 2}, kColumns[] = {0, 0};
+                             model.mass_rows = kRows;
+                             model.mass_columns = kColumns;
+                           }},
+                    Defect{"row 2 of its mass matrix has an entry in column 2",
+                           [](tf_model &model) {
+                             static constexpr std::int32_t kRows[] = {0, 0, 0, 1}, kColumns[] = {2};
+                             model.mass_rows = kRows;
+                             model.mass_columns = kColumns;
+                           }},
                     Defect{"5 tangential rows, but its elements have 4", [](tf_model &model) { model.nt = 5; }}));
 
 TEST(DamagedAliases, AreRefused) {
