@@ -15,6 +15,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int eventLimit = 4000;
+// A sequence that repeats passes through the same few sets of resting contacts.
+constexpr std::size_t flightLimit = 300;
 // A factor closer to 1 does not contract.
 constexpr double contraction = 1e-6;
 // Impacts slower than this part of the fastest one end the sequence where it does not repeat: the time left is as small.
@@ -65,6 +67,13 @@ struct ImpactSequence::Workspace {
   std::vector<std::vector<int>> innerHits, outerHits;  // contacts with impacts of each entry; the last are those of the current one
   std::vector<double> lastHit;                         // n: time of the last impact
   double fastest = 0;
+  // What follows from the contacts that rest and the directions of their slips; the same ones come again and again.
+  struct Flight {
+    std::vector<int> rows, tangents, slipSign;
+    std::vector<double> acceleration, force, closedForce, closedRate;
+  };
+  std::vector<Flight> flights;
+  std::vector<int> slipSign;  // of `tangents`
 
   [[nodiscard]] int n() const { return problem->normalCount; }
   [[nodiscard]] int count() const { return problem->count(); }
@@ -74,6 +83,8 @@ struct ImpactSequence::Workspace {
   [[nodiscard]] std::vector<double> values() const;
   void addEntry(BreakpointTail &tail, std::vector<double> &from, int symbol);
   bool freeze();
+  void poseClosed();
+  bool solveClosed();
   bool findAccelerations();
   double nextEvent(int &row) const;
   void fly(double duration, int row);
@@ -100,6 +111,7 @@ void ImpactSequence::Workspace::begin(const SequenceProblem &at) {
   outerHits.assign(1, {});
   lastHit.assign(n(), -infinity);
   fastest = 0;
+  flights.clear();
   resetTail(inner);
   resetTail(outer);
   start = outerStart = values();
@@ -186,9 +198,7 @@ bool ImpactSequence::Workspace::freeze() {
   return true;
 }
 
-// Constant forces and accelerations until the next event. False: the contact problem has no solution.
-bool ImpactSequence::Workspace::findAccelerations() {
-  chooseRows(true);
+void ImpactSequence::Workspace::poseClosed() {
   const int ni = static_cast<int>(rows.size()), mi = static_cast<int>(tangents.size());
   closed.resize(ni, mi);
   const auto row = [&](int r) { return r < ni ? rows[r] : n() + tangents[r - ni]; };
@@ -199,12 +209,18 @@ bool ImpactSequence::Workspace::findAccelerations() {
   }
   for (int j = 0; j < mi; ++j) {
     const int owner = problem->owner[tangents[j]];
-    const double slip = velocity[n() + tangents[j]];
     closed.owner[j] = owner < 0 ? -1 : static_cast<int>(std::lower_bound(rows.begin(), rows.end(), owner) - rows.begin());
     closed.friction[j] = problem->friction[tangents[j]];
     closed.bound[j] = problem->bound[tangents[j]];
-    closed.slipSign[j] = slip > 0 ? 1 : slip < 0 ? -1 : 0;
+    closed.slipSign[j] = slipSign[j];
   }
+}
+
+// Of the contacts in `rows`. False: the contact problem has no solution.
+bool ImpactSequence::Workspace::solveClosed() {
+  const int ni = static_cast<int>(rows.size()), mi = static_cast<int>(tangents.size());
+  const auto row = [&](int r) { return r < ni ? rows[r] : n() + tangents[r - ni]; };
+  poseClosed();
   acceleration = problem->bias;
   std::fill(force.begin(), force.end(), 0.0);
   closedForce.clear();
@@ -228,8 +244,30 @@ bool ImpactSequence::Workspace::findAccelerations() {
     closedRate.push_back(problem->rate[rows[i]]);
   }
   for (int j = 0; j < mi; ++j)
-    if (solution.mode.slip[j] == 0 && velocity[n() + tangents[j]] == 0 && (closed.owner[j] < 0 || solution.mode.closed[closed.owner[j]]))
+    if (solution.mode.slip[j] == 0 && slipSign[j] == 0 && (closed.owner[j] < 0 || solution.mode.closed[closed.owner[j]]))
       acceleration[n() + tangents[j]] = 0;
+  return true;
+}
+
+// Constant forces and accelerations until the next event. False: the contact problem has no solution, or too many were different.
+bool ImpactSequence::Workspace::findAccelerations() {
+  chooseRows(true);
+  slipSign.clear();
+  for (const int j : tangents)
+    slipSign.push_back(velocity[n() + j] > 0 ? 1 : velocity[n() + j] < 0 ? -1 : 0);
+  const auto known = std::find_if(flights.begin(), flights.end(), [this](const Flight &flight) {
+    return flight.rows == rows && flight.tangents == tangents && flight.slipSign == slipSign;
+  });
+  if (known != flights.end()) {
+    acceleration = known->acceleration;
+    force = known->force;
+    closedForce = known->closedForce;
+    closedRate = known->closedRate;
+    return true;
+  }
+  if (flights.size() == flightLimit || !solveClosed())
+    return false;
+  flights.push_back({rows, tangents, slipSign, acceleration, force, closedForce, closedRate});
   return true;
 }
 
