@@ -1,0 +1,108 @@
+// Many bodies and contacts: chains of different lengths, bodies apart in one model.
+#include "tests/accuracy/compiled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <fstream>
+#include <gtest/gtest.h>
+#include <sstream>
+#include <string>
+
+namespace tf::test {
+namespace {
+
+std::string chainOf(int links) {
+  std::ifstream file(example("chain.tf"));
+  std::stringstream text;
+  text << file.rdbuf();
+  std::string source = text.str();
+  const std::string number = "n(min = 1) = 3";
+  const auto place = source.find(number);
+  EXPECT_NE(place, std::string::npos);
+  source.replace(place, number.size(), "n(min = 1) = " + std::to_string(links));
+  return sourceFile("chain" + std::to_string(links) + ".tf", source);
+}
+
+class Chain : public testing::TestWithParam<int> {};
+
+// Falls, and lies on the floor with all of its weight: no penetration, no energy out of nothing on the way.
+TEST_P(Chain, ComesToRestOnTheFloor) {
+  CompiledModel model(chainOf(GetParam()));
+  model.tolerance(1e-6).initialise();
+  double energy = model.energy();
+  for (int i = 1; i <= 300; ++i) {
+    model.advance(0.01 * i);
+    for (const double gap : model.valuesOf(TF_KIND_GAP))
+      ASSERT_GE(gap, -1e-9) << "t = " << model.time();
+    ASSERT_LE(model.energy(), energy + 1e-5) << "t = " << model.time();
+    energy = std::min(energy, model.energy());
+  }
+  double carried = 0;
+  for (const double force : model.valuesOf(TF_KIND_NORMAL_FORCE))
+    carried += force;
+  EXPECT_NEAR(carried, 9.81, 1e-4);
+  for (const double speed : model.valuesOf(TF_KIND_VELOCITY))
+    EXPECT_NEAR(speed, 0, 1e-6);
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_LT(statistics.worst_residual, 1e-8);
+  EXPECT_LT(statistics.worst_impact_residual, 1e-8);
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, Chain, testing::Values(2, 3, 5, 10, 20), testing::PrintToStringParamName());
+
+class ShortChain : public testing::TestWithParam<int> {};
+
+// Two integrators at two tolerances: the last hundredth of the energy is lost in many small impacts, so only the way down is compared.
+TEST_P(ShortChain, IsTheSameWithOtherIntegrators) {
+  CompiledModel model(chainOf(GetParam()));
+  model.tolerance(1e-10).integrator(TF_EXPLICIT).initialise();
+  model.advance(0.3);
+  const std::vector<double> expected = model.valuesOf(TF_KIND_COORDINATE);
+  for (const tf_integrator integrator : {TF_EXPLICIT, TF_STEP}) {
+    model.tolerance(1e-7).integrator(integrator).initialise();
+    model.advance(0.3);
+    const std::vector<double> found = model.valuesOf(TF_KIND_COORDINATE);
+    for (std::size_t k = 0; k < found.size(); ++k)
+      EXPECT_NEAR(found[k], expected[k], 1e-5) << "integrator " << integrator << ", coordinate " << k;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, ShortChain, testing::Values(2, 3, 5, 10), testing::PrintToStringParamName());
+
+// Rods that are described by one end, so that each has a full block of the mass matrix; they fall on the floor far from one another.
+std::string rods(int first, int count) {
+  return "model Rods\n  parameter Integer first = " + std::to_string(first) + ";\n  parameter Integer n = " + std::to_string(count) + R"(;
+  coordinate Real r[n, 2](start = {{0, 0.6 + 0.01*(first + i)} for i in 1:n});
+  coordinate Real phi[n](start = {0.3 + 0.02*(first + i) for i in 1:n}, der(start = {0.1*(first + i) for i in 1:n}));
+  Real tip[n, 2] = {{r[i, 1] + cos(phi[i]), r[i, 2] + sin(phi[i])} for i in 1:n};
+  body rod[n](each mass = 1, position = (r + tip)/2, angle = phi, each inertia = 1/12);
+  gravity weight(acceleration = {0, -9.81});
+  contact low[n](gap = r[:, 2], slip = der(r[:, 1]), each friction = 0.4);
+  contact high[n](gap = tip[:, 2], slip = der(tip[:, 1]), each friction = 0.4);
+end Rods;
+)";
+}
+
+TEST(BodiesApart, MoveAsAlone) {
+  constexpr int count = 20;
+  CompiledModel together(sourceFile("rods.tf", rods(0, count)));
+  const tf_model &model = together.model();
+  ASSERT_EQ(model.nv, 3 * count);
+  ASSERT_NE(model.mass_rows, nullptr);
+  EXPECT_EQ(model.mass_rows[model.nv], 2 * count);  // the places of an end do not move each other, its angle moves both
+  together.tolerance(1e-10).initialise();
+  together.advance(0.8);
+  for (const int number : {1, 7, count}) {
+    const std::string index = std::to_string(number);
+    CompiledModel alone(sourceFile("rod" + index + ".tf", rods(number - 1, 1)));
+    alone.tolerance(1e-10).initialise();
+    alone.advance(0.8);
+    EXPECT_NEAR(together["r[" + index + ",1]"], alone["r[1,1]"], 1e-7) << number;
+    EXPECT_NEAR(together["r[" + index + ",2]"], alone["r[1,2]"], 1e-7) << number;
+    EXPECT_NEAR(together["phi[" + index + "]"], alone["phi[1]"], 1e-7) << number;
+  }
+}
+
+}  // namespace
+}  // namespace tf::test
