@@ -206,15 +206,17 @@ bool SpatialFrozenPhase::Workspace::pose(int forced, double step, double band, C
 
 bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double band) {
   ConeFrictionProblem &p = cone.problem();
+  // A step's velocities need not be better than rounding, which redundant rows do not agree within.
+  const double tolerance = band > 0 ? std::max(feasibility, 10 * roundingSpeed / band) : feasibility;
   if (pose(forced, step, band, p)) {
-    const ConeFrictionSolution &found = cone.solve(nullptr, feasibility);
+    const ConeFrictionSolution &found = cone.solve(nullptr, tolerance);
     if (!found.solved)
       return false;
     force = found.force;
     motionless = std::max(solved, 10 * found.violation);
   } else {
     planar.problem() = p;
-    const PlanarFrictionSolution &found = planar.solve(nullptr, feasibility);
+    const PlanarFrictionSolution &found = planar.solve(nullptr, tolerance);
     if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled)
       return false;
     force = found.force;
