@@ -344,7 +344,8 @@ void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const C
   if (!found.solved) {
     pose(problem, solver.problem());
     const bool none = solver.solve(nullptr, settings.feasibility).status == PlanarFrictionSolution::Status::None;
-    solution.status = none ? ContactStatus::Inconsistent : ContactStatus::Unsettled;
+    // Forces that all methods leave far from a solution have none; the frictional impulse that follows proves it, or changes nothing.
+    solution.status = none || found.violation > 1e-2 ? ContactStatus::Inconsistent : ContactStatus::Unsettled;
     solution.forced = findForced(problem);
     return;
   }
