@@ -80,6 +80,7 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] bool anyNearZero() const;
   bool stepOver(int forced, double step, double band);
   bool settleNearZero(int forced);
+  void bringToRest(const std::vector<std::uint8_t> &rests);
   void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;
   bool passCrowd(int forced, bool &found);
   bool leap(int forced, double length);
@@ -252,13 +253,40 @@ bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double ban
   }
   std::vector<std::uint8_t> rests;
   markRests(from, step, band, rests);
-  for (int r = 0; r < n + m; ++r)
-    if (rests[r])
-      velocity[r] = 0;
+  bringToRest(rests);
   for (int i = 0; i < n; ++i)
     restitution.advance(i, from[i], (velocity[i] - from[i]) / step, step, false);
   tau += step;
   return true;
+}
+
+// Velocities of these rows, zero within rounding, become exactly zero by the least impulses, which move the rows that depend on them too.
+void SpatialFrozenPhase::Workspace::bringToRest(const std::vector<std::uint8_t> &rests) {
+  std::vector<int> rows;
+  bool moving = false;
+  for (int r = 0; r < n + m; ++r) {
+    if (!rests[r])
+      continue;
+    rows.push_back(r);
+    moving = moving || velocity[r] != 0;
+  }
+  if (!moving)
+    return;
+  const Eigen::MatrixXd D = problem->delassus.map()(rows, rows);
+  Eigen::VectorXd rest(rows.size());
+  for (std::size_t a = 0; a < rows.size(); ++a)
+    rest[static_cast<Eigen::Index>(a)] = -velocity[rows[a]];
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
+  factor.setThreshold(1e-10);
+  const Eigen::VectorXd correction = factor.compute(D).solve(rest);
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const double change = correction[static_cast<Eigen::Index>(a)];
+    impulse[rows[a]] += change;
+    for (int r = 0; r < n + m; ++r)
+      velocity[r] += problem->delassus(r, rows[a]) * change;
+  }
+  for (const int r : rows)
+    velocity[r] = 0;
 }
 
 // Steps over what is nearly zero until nothing is.
@@ -345,9 +373,10 @@ bool SpatialFrozenPhase::Workspace::leap(int forced, double length) {
   if (!converged)
     return false;
   for (int r = 0; r < count; ++r) {
-    velocity[r] = rests[r] ? 0 : end[r];
+    velocity[r] = end[r];
     impulse[r] += carried[r];
   }
+  bringToRest(rests);
   for (int i = 0; i < n; ++i)
     restitution.advance(i, from[i], (velocity[i] - from[i]) / length, length, false);
   tau += length;
