@@ -161,6 +161,7 @@ StepStatus CvodeIntegrator::step(double limit) {
     s.problem.tolerance *= 3;
     std::copy(begin_.begin(), begin_.end(), N_VGetArrayPointer(s.state));
     CVodeReInit(s.memory, beginTime_, s.state);
+    CVodeSetStopTime(s.memory, limit);
     outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
   }
   if (outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE || outcome == CV_TOO_CLOSE)

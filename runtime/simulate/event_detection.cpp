@@ -438,12 +438,14 @@ bool EventDetection::nudge(int guard, double zero, double slope, double base, De
   nudgeBase_.assign(integrator_->end(), integrator_->end() + n);
   nudgeRate_.assign(integrator_->endRate(), integrator_->endRate() + n);
   double value = end_.value[guard] - zero, x = base, previous = base, previousValue = value;
-  const double resolution = std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
+  const double length = base - integrator_->beginTime(), farthest = 1e-4 * length;
+  const double resolution = std::numeric_limits<double>::epsilon() * std::max(std::abs(base), length);
   for (int k = 0; k < 8 && value != 0; ++k) {
     const double step = -value / slope;
     previous = x;
     previousValue = value;
-    if (std::abs(step) <= 0.5 * resolution)
+    // A guard that is not smooth here may send the zero anywhere.
+    if (std::abs(step) <= 0.5 * resolution || !(std::abs(x + step - base) <= farthest))
       break;
     x += step;
     const double h = x - base;
