@@ -1,4 +1,4 @@
-// A part of the random scenes that ./dev scenes runs: those in the plane, and spheres in space.
+// A part of the random scenes that ./dev scenes runs: those in the plane, and spheres and boxes in space.
 #include "tests/accuracy/scenes/random_scenes.h"
 
 #include <gtest/gtest.h>
@@ -28,6 +28,8 @@ TEST(RandomScenes, InThePlaneRunToTheEndWithInvariantsHeld) { expectGood(200, is
 TEST(RandomScenes, OfSpheresRunToTheEndWithInvariantsHeld) {
   expectGood(40, [](const Scene &scene) { return !isPlanar(scene) && !hasBoxes(scene); });
 }
+
+TEST(RandomScenes, OfBoxesInSpaceRunToTheEndWithInvariantsHeld) { expectGood(40, hasBoxes); }
 
 }  // namespace
 }  // namespace tf::test
