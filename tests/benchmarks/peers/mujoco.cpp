@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <mujoco/mujoco.h>
 #include <string>
 #include <unistd.h>
@@ -96,15 +97,15 @@ Problem chain(double step) {
 }
 
 mjModel *load(const std::string &xml) {
-  char path[] = "/tmp/tf-peer-XXXXXX";
-  const int file = mkstemp(path);
+  std::string path = (std::filesystem::temp_directory_path() / "tf-peer-XXXXXX").string();
+  const int file = mkstemp(path.data());
   if (file < 0 || write(file, xml.data(), xml.size()) != static_cast<ssize_t>(xml.size())) {
     return nullptr;
   }
   close(file);
   char error[500] = "";
-  mjModel *model = mj_loadXML(path, nullptr, error, sizeof error);
-  unlink(path);
+  mjModel *model = mj_loadXML(path.c_str(), nullptr, error, sizeof error);
+  unlink(path.c_str());
   if (model == nullptr) {
     std::fprintf(stderr, "%s\n", error);
   }

@@ -1,0 +1,114 @@
+// The forces of small modes with the friction folded into the columns: the same as those of all rows, and nothing allocated in a step.
+#include "runtime/integrate/dormand_prince.h"
+#include "runtime/integrate/element_integrator.h"
+#include "runtime/model/model_instance.h"
+#include "tests/unit/runtime/hand_written_models.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <gtest/gtest.h>
+#include <memory>
+#include <new>
+
+namespace {
+
+std::atomic<long> allocations{0};
+
+}  // namespace
+
+void *operator new(std::size_t size) {
+  ++allocations;
+  if (void *memory = std::malloc(size > 0 ? size : 1))
+    return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void *memory) noexcept { std::free(memory); }
+void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
+
+namespace tf::runtime {
+namespace {
+
+// The box on its lower left corner, or flat on both lower corners (angle 0).
+struct Box {
+  Box(double angle, double slip, Tangent tangent)
+      : instance(test::boxModel()), inputs(test::boxModel().nu), at(test::boxModel(), inputs), dynamics(at) {
+    const double x = -0.5 * std::cos(angle) + 0.3 * std::sin(angle), y = -0.5 * std::sin(angle) - 0.3 * std::cos(angle);
+    const double spin = angle == 0 ? 0 : 0.4;
+    state = {0.1, -y, angle, slip + spin * y, -spin * x, spin, 0};
+    const bool flat = angle == 0;
+    mode.closed = {1, static_cast<std::uint8_t>(flat), 0, 0};
+    mode.tangent = {tangent, flat ? tangent : Tangent::None, Tangent::None, Tangent::None};
+    EXPECT_TRUE(at.setParameters(instance.parameters().data()));
+    at.setSegment(0.5);
+  }
+
+  ModelInstance instance;
+  InputSignals inputs;
+  ModelEvaluation at;
+  ModeDynamics dynamics;
+  std::vector<double> state;
+  Mode mode;
+};
+
+void expectSameForces(Box &box) {
+  const int n = box.dynamics.size();
+  std::vector<double> all(n), folded(n);
+  // The mode begins with the equations of all rows and goes on with folded ones.
+  ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), all.data()));
+  const std::vector<double> normal = box.at.normalForce, tangent = box.at.tangentForce;
+  std::vector<double> guards(box.dynamics.guards().size()), foldedGuards(guards.size());
+  box.dynamics.guardValues(guards.data());
+  ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), folded.data()));
+  box.dynamics.guardValues(foldedGuards.data());
+  for (int i = 0; i < n; ++i)
+    EXPECT_NEAR(folded[i], all[i], 1e-12 * (1 + std::abs(all[i]))) << i;
+  for (std::size_t i = 0; i < normal.size(); ++i) {
+    EXPECT_NEAR(box.at.normalForce[i], normal[i], 1e-12 * (1 + normal[i])) << i;
+    EXPECT_NEAR(box.at.tangentForce[i], tangent[i], 1e-12 * (1 + normal[i])) << i;
+  }
+  for (std::size_t k = 0; k < guards.size(); ++k)
+    EXPECT_NEAR(foldedGuards[k], guards[k], 1e-11) << k;
+  EXPECT_GT(normal[0], 0);
+}
+
+TEST(FoldedForces, OfASlidingCornerAreThoseOfAllRows) {
+  Box box(0.3, 0.7, Tangent::SlipPositive);
+  expectSameForces(box);
+}
+
+TEST(FoldedForces, OfAStickingCornerAreThoseOfAllRows) {
+  Box box(0.3, 0, Tangent::Stick);
+  expectSameForces(box);
+}
+
+TEST(FoldedForces, OfTwoSlidingCornersAreThoseOfAllRows) {
+  Box box(0, -0.7, Tangent::SlipNegative);
+  expectSameForces(box);
+}
+
+TEST(FoldedForces, StepsAllocateNothing) {
+  Box box(0.3, 0.7, Tangent::SlipPositive);
+  std::vector<double> rate(box.state.size());
+  ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), rate.data()));
+  IntegratorSettings settings;
+  settings.scale.assign(box.state.size(), 1.0);
+  ElementIntegrator integrator(box.dynamics, settings, std::make_unique<DormandPrince>(box.dynamics.size()));
+  integrator.start(0, box.state.data(), rate.data(), 1e-3);
+  std::vector<double> inside(box.state.size());
+  const auto step = [&] {
+    EXPECT_EQ(integrator.step(1), StepStatus::Done);
+    box.dynamics.project(integrator.end(), settings.scale.data());
+    integrator.interpolate(0.5 * (integrator.beginTime() + integrator.endTime()), inside.data());
+  };
+  step();
+  const long before = allocations;
+  step();
+  step();
+  EXPECT_EQ(allocations - before, 0);
+  const auto copy = std::make_unique<double>(1);
+  EXPECT_EQ(allocations - before, 1);  // what is allocated is counted
+}
+
+}  // namespace
+}  // namespace tf::runtime
