@@ -225,6 +225,20 @@ bool MassMatrix::factorise(const double *mass) {
       return false;
     }
   }
+  isDiagonal_ = inOrder_ && hasDiagonalFactor();
+  return true;
+}
+
+// Of matrices whose blocks are small; that of a body about its centre of mass is often diagonal though its entries could differ from zero.
+bool MassMatrix::hasDiagonalFactor() const {
+  for (const Block &block : blocks_) {
+    if (block.end - block.begin > fixedSize)
+      return false;
+    for (int i = block.begin; i < block.end; ++i)
+      for (int k = block.begin; k < i; ++k)
+        if (rowOf(i)[k] != 0)
+          return false;
+  }
   return true;
 }
 
@@ -245,7 +259,7 @@ void MassMatrix::backwardEnvelope(const Block &block, double *x) const {
 }
 
 void MassMatrix::solve(const double *b, double *x) const {
-  if (inOrder_ && blocks_.size() == inverse_.size()) {
+  if (isDiagonal_) {
     for (int i = 0; i < size_; ++i)
       x[i] = b[i] * inverse_[i];
     return;

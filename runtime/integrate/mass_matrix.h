@@ -44,11 +44,13 @@ private:
   void forwardEnvelope(const Block &block, int from, double *x) const;
   void backwardEnvelope(const Block &block, double *x) const;
   void backward(double *y) const;
+  [[nodiscard]] bool hasDiagonalFactor() const;
   [[nodiscard]] double *rowOf(int place) { return factor_.data() + start_[place]; }
   [[nodiscard]] const double *rowOf(int place) const { return factor_.data() + start_[place]; }
 
   int size_;
-  bool inOrder_ = true;  // places are rows
+  bool inOrder_ = true;      // places are rows
+  bool isDiagonal_ = false;  // L of the last factorisation is the unit matrix, places are rows
   std::vector<Block> blocks_;
   std::vector<int> rows_;                 // of places
   std::vector<int> blockOf_;              // of rows
