@@ -1,0 +1,229 @@
+// Pieces on which the directions of slips turn: integrated to rounding, with their ends located inside the steps.
+#include "runtime/contact/spatial_frozen_workspace.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+void SpatialFrozenPhase::Workspace::listWatches() {
+  watches.clear();
+  for (int i = 0; i < n; ++i) {
+    if (mode.normal[i] == FrozenMode::Normal::Held) {
+      watches.push_back({Watch::Kind::HeldLow, i, 1});
+      watches.push_back({Watch::Kind::HeldHigh, i, 1});
+    } else {
+      const double v = velocity[i] != 0 ? velocity[i] : acceleration[i];
+      watches.push_back({Watch::Kind::Normal, i, v >= 0 ? 1.0 : -1.0});
+    }
+    if (!restitution.stored(i) || velocity[i] < 0)
+      continue;
+    if (problem->law[i] == ImpactLaw::Poisson)
+      watches.push_back({Watch::Kind::StoredImpulse, i, 1});
+    if (restitution.work(i) > 0)
+      watches.push_back({Watch::Kind::StoredWork, i, 1});
+  }
+  for (int j = 0; j < m; ++j) {
+    if (isSecond(j))
+      continue;
+    if (mode.tangent[j] == FrozenMode::Tangent::Stick)
+      watches.push_back({Watch::Kind::Stick, j, 1});
+    else if (mode.tangent[j] == FrozenMode::Tangent::Slip)
+      watches.push_back({isPair(j) ? Watch::Kind::PairSlip : Watch::Kind::Slip, j, static_cast<double>(mode.sign[j]),
+                         isPair(j) && slipSpeed(j, velocity) <= stillSpeed ? stillSpeed : 0.0});
+  }
+}
+
+// At `point` and `pointForce`, the end of the last step integrated.
+double SpatialFrozenPhase::Workspace::value(const Watch &watch, double duration) const {
+  const int i = watch.index, row = n + i;
+  switch (watch.kind) {
+  case Watch::Kind::Normal:
+    return watch.sign * point[i];
+  case Watch::Kind::Slip:
+    return watch.sign * point[row];
+  case Watch::Kind::PairSlip:
+    return mode.direction[i] * point[row] + mode.direction[i + 1] * point[row + 1] + watch.level;
+  case Watch::Kind::HeldLow:
+    return pointForce[i];
+  case Watch::Kind::HeldHigh:
+    return problem->rate[i] - pointForce[i];
+  case Watch::Kind::Stick:
+    return problem->friction[i] * pointForce[problem->owner[i]] -
+           (isPair(i) ? std::hypot(pointForce[row], pointForce[row + 1]) : std::abs(pointForce[row]));
+  case Watch::Kind::StoredImpulse:
+    return restitution.impulse(i) - problem->rate[i] * duration;
+  case Watch::Kind::StoredWork:
+    return restitution.work(i) - problem->rate[i] * state[n + m + i];
+  }
+  return 0;
+}
+
+double SpatialFrozenPhase::Workspace::responsiveness() const {
+  double largest = 1e-300;
+  for (int r = 0; r < n + m; ++r)
+    largest = std::max(largest, problem->delassus(r, r));
+  return largest;
+}
+
+// `point` and `pointForce` at y, and y'.
+bool SpatialFrozenPhase::Workspace::moveTo(const Eigen::VectorXd &y, Eigen::VectorXd &rate) {
+  const int count = n + m;
+  for (int r = 0; r < count; ++r) {
+    point[r] = velocity[r];
+    for (int c = 0; c < count; ++c)
+      point[r] += problem->delassus(r, c) * y[c];
+  }
+  if (!mode.forces(*problem, point, stillSpeed, pointForce))
+    return false;
+  rate.resize(count + n);
+  std::copy(pointForce.begin(), pointForce.end(), rate.data());
+  std::copy_n(point.begin(), n, rate.data() + count);
+  return true;
+}
+
+// From `velocity` over h, after integrator.start: `state`, `point` and `pointForce`. False: the step is too long.
+bool SpatialFrozenPhase::Workspace::integrate(double h) {
+  const auto rate = [this](const Eigen::VectorXd &y, Eigen::VectorXd &f) { return moveTo(y, f); };
+  const bool good = integrator.step(h, accuracy * scale / responsiveness(), rate);
+  state = integrator.end();
+  Eigen::VectorXd ignored;
+  return moveTo(state, ignored) && good;
+}
+
+// Regula falsi (Illinois) on the step's length; the value is positive for short steps and negative at `high`. 0: shorter steps fail.
+double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
+  double low = 0, lowValue = 0, highValue = value(watch, high);
+  bool known = false;  // the value at `low`
+  int side = 0;
+  for (int k = 0; k < 100 && high - low > 2e-16 * high; ++k) {
+    double x = known ? (lowValue * high - highValue * low) / (lowValue - highValue) : 0.5 * (low + high);
+    if (!(x > low && x < high))
+      x = 0.5 * (low + high);
+    if (!integrate(x) && !nearlyIntegrated())
+      return 0;
+    const double v = value(watch, x);
+    if (std::abs(v) <= 1e-16 * scale)
+      return x;
+    if (v > 0) {
+      low = x;
+      lowValue = v;
+      known = true;
+      highValue *= side == 1 ? 0.5 : 1;
+      side = 1;
+    } else {
+      high = x;
+      highValue = v;
+      lowValue *= side == -1 ? 0.5 : 1;
+      side = -1;
+    }
+  }
+  return high;
+}
+
+// The step's end becomes the state.
+void SpatialFrozenPhase::Workspace::commit(double h, const Watch *event) {
+  for (int i = 0; i < n; ++i) {
+    const bool exhausted =
+        event != nullptr && (event->kind == Watch::Kind::StoredImpulse || event->kind == Watch::Kind::StoredWork) && event->index == i;
+    // The straight piece with the same begin and the same integral of the velocity stores the same.
+    const double mean = 2 * (state[n + m + i] - velocity[i] * h) / (h * h);
+    restitution.advance(i, velocity[i], mean, h, exhausted);
+  }
+  for (int r = 0; r < n + m; ++r) {
+    impulse[r] += state[r];
+    const bool zero = r < n ? mode.normal[r] == FrozenMode::Normal::Held : mode.tangent[r - n] == FrozenMode::Tangent::Stick;
+    velocity[r] = zero ? 0 : point[r];
+  }
+  tau += h;
+}
+
+// A slip whose part along its direction at the step's begin is zero: has it come to rest, or turned? Then a shorter step follows it.
+bool SpatialFrozenPhase::Workspace::settleStop(const Watch &event, double &h, bool &found) {
+  if (event.kind != Watch::Kind::PairSlip || slipSpeed(event.index, point) <= 5 * stillSpeed)
+    return true;
+  found = false;
+  for (int k = 0; k < 100; ++k) {
+    h *= 0.7;
+    if (integrate(h) && value(event, h) >= 0.5 * slipSpeed(event.index, point))
+      return true;
+  }
+  return false;
+}
+
+// The first event in the step h, which becomes its end. False: it cannot be located.
+bool SpatialFrozenPhase::Workspace::findEvent(double &h, Watch &event, bool &found) {
+  found = false;
+  for (std::size_t again = 0; again <= watches.size(); ++again) {
+    const auto fallen = std::find_if(watches.begin(), watches.end(), [&](const Watch &watch) {
+      return value(watch, h) < 0 && !(found && watch.kind == event.kind && watch.index == event.index);
+    });
+    if (fallen == watches.end())
+      break;
+    event = *fallen;
+    found = true;
+    const double located = locate(event, h);
+    if (!(located > 0) || (!integrate(located) && !nearlyIntegrated()))
+      return false;
+    h = located;
+  }
+  return !found || event.kind != Watch::Kind::Normal || std::abs(value(event, h)) <= stillSpeed;
+}
+
+// The direction of some slip that is not about zero at either end has changed by more than 40° in the step.
+bool SpatialFrozenPhase::Workspace::turnsFar() const {
+  return std::any_of(watches.begin(), watches.end(), [this](const Watch &watch) {
+    const double speed = slipSpeed(watch.index, point);
+    return watch.kind == Watch::Kind::PairSlip && watch.level == 0 && speed > stillSpeed && value(watch, 0) < 0.77 * speed;
+  });
+}
+
+// One step along a curved piece, to the first event in it. `estimate`: of the time to the next breakpoint.
+bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch &event, bool &found) {
+  for (int j = 0; j < m; ++j)
+    if (isPair(j) && mode.tangent[j] == FrozenMode::Tangent::Slip && slipSpeed(j, velocity) > 10 * stillSpeed)
+      mode.setDirection(j, velocity[n + j], velocity[n + j + 1]);
+  listWatches();
+  const auto rate = [this](const Eigen::VectorXd &y, Eigen::VectorXd &f) { return moveTo(y, f); };
+  if (!integrator.start(zeroState, 0.1 * stillSpeed / responsiveness(), rate))
+    return false;
+  // A little beyond zeros that a straight piece would have, so that they are located at once, but for those of slips.
+  double h = std::min(nextLength, slipStops ? estimate : 1.05 * estimate);
+  if (!std::isfinite(h))
+    h = longPiece();
+  for (int k = 0; !integrate(h); ++k) {
+    h *= 0.5;
+    if (k > 60)
+      return false;
+  }
+  nextLength = integrator.used() <= 6 ? 2 * h : h;
+  for (int k = 0; !findEvent(h, event, found); ++k) {
+    do
+      h *= 0.5;
+    while (++k <= 60 && !integrate(h));
+    if (k > 60)
+      return false;
+  }
+  if (found && !settleStop(event, h, found))
+    return false;
+  // Where a slip has turned far, it may have missed its way to zero.
+  for (int k = 0; !found && turnsFar(); ++k) {
+    h *= 0.7;
+    if (k > 60 || !integrate(h))
+      return false;
+  }
+  // Steps towards a slip's zero may end within its rounding.
+  for (const Watch &watch : watches)
+    if (!found && watch.kind == Watch::Kind::PairSlip && watch.level == 0 && slipSpeed(watch.index, point) <= stillSpeed) {
+      event = watch;
+      found = true;
+    }
+  commit(h, found ? &event : nullptr);
+  if (found) {
+    finishEvent(event);
+    nextLength = infinity;
+  }
+  return true;
+}
+
+}  // namespace tf::runtime

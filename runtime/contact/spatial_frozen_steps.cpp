@@ -1,0 +1,245 @@
+// Steps of the implicit Euler method, whose contact problem decides together which slips stop, which contacts are held and which leave:
+// it has a solution always, since forces are bounded by the rates.
+#include "runtime/contact/spatial_frozen_workspace.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace tf::runtime {
+
+// As the planar phase; pairs that slip lie along their slip, `mode` has the frames. Rows within `band` of zero are decided by where a step
+// of this length takes them, w = v/step + D λ. True: some slip of two components is decided.
+bool SpatialFrozenPhase::Workspace::pose(int forced, double step, double band, ConeFrictionProblem &p) {
+  p.resize(n, m);
+  bool disks = false;
+  for (int i = 0; i < n; ++i) {
+    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i);
+    const bool open = decided && velocity[i] > 0 && !restitution.stored(i);
+    p.normalKind[i] = decided ? NormalKind::Prescribed : NormalKind::Unilateral;
+    p.upper[i] = open ? 0.0 : problem->rate[i];
+    if (!decided && velocity[i] != 0)
+      p.bias[i] = velocity[i] / step;
+  }
+  for (int j = 0; j < m; ++j) {
+    const int owner = problem->owner[j];
+    p.owner[j] = owner;
+    p.friction[j] = problem->friction[j];
+    if (isPair(j))
+      mode.setDirection(j, velocity[n + j], velocity[n + j + 1]);
+    const bool loaded = problem->friction[j] > 0 && p.upper[owner] > 0;
+    const double slip = isSecond(j) ? slipSpeed(j - 1, velocity) : isPair(j) ? slipSpeed(j, velocity) : velocity[n + j];
+    const bool decided = std::abs(slip) > band;
+    p.sign[j] = static_cast<std::int8_t>(!decided ? 0 : slip > 0 ? 1 : -1);
+    if (!loaded || (isSecond(j) && decided))
+      continue;
+    p.tangentKind[j] = decided ? TangentKind::Slip : TangentKind::TwoSided;
+    if (decided)
+      continue;
+    if (!isSecond(j) && slip != 0)
+      p.bias[n + j] = slip / step;
+    if (problem->partner[j] >= 0) {
+      p.partner[j] = problem->partner[j];
+      disks = true;
+    }
+  }
+  mode.turn(*problem, p.delassus);
+  return disks;
+}
+
+bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double band) {
+  ConeFrictionProblem &p = cone.problem();
+  // A step's velocities need not be better than rounding, which redundant rows do not agree within.
+  const double tolerance = band > 0 ? std::max(feasibility, 10 * roundingSpeed / band) : feasibility;
+  if (pose(forced, step, band, p)) {
+    const ConeFrictionSolution &found = cone.solve(nullptr, tolerance);
+    if (!found.solved)
+      return false;
+    force = found.force;
+    motionless = std::max(solved, 10 * found.violation);
+  } else {
+    planar.problem() = p;
+    const PlanarFrictionSolution &found = planar.solve(nullptr, tolerance);
+    if (found.status == PlanarFrictionSolution::Status::None || found.status == PlanarFrictionSolution::Status::Unsettled)
+      return false;
+    force = found.force;
+    motionless = solved;
+  }
+  mode.turnBack(*problem, force);
+  return true;
+}
+
+bool SpatialFrozenPhase::Workspace::anyNearZero() const {
+  for (int i = 0; i < n; ++i)
+    if (velocity[i] != 0 && std::abs(velocity[i]) <= roundingSpeed && !restitution.stored(i))
+      return true;
+  for (int j = 0; j < m; ++j) {
+    if (isSecond(j) || problem->friction[j] == 0 || (velocity[problem->owner[j]] > roundingSpeed && !restitution.stored(problem->owner[j])))
+      continue;
+    const double speed = slipSpeed(j, velocity);
+    if (speed != 0 && speed <= (isPair(j) ? stillSpeed : roundingSpeed))
+      return true;
+  }
+  return false;
+}
+
+// A step of the implicit Euler method: contacts that reach zero within it stay there if forces hold them.
+bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double band) {
+  if (!findForces(forced, step, band))
+    return false;
+  updateAcceleration();
+  const std::vector<double> from = velocity;
+  for (int r = 0; r < n + m; ++r) {
+    velocity[r] += acceleration[r] * step;
+    impulse[r] += force[r] * step;
+  }
+  std::vector<std::uint8_t> rests;
+  markRests(from, step, band, rests);
+  bringToRest(rests);
+  for (int i = 0; i < n; ++i)
+    restitution.advance(i, from[i], (velocity[i] - from[i]) / step, step, false);
+  tau += step;
+  return true;
+}
+
+// Velocities of these rows, zero within rounding, become exactly zero by the least impulses, which move the rows that depend on them too.
+void SpatialFrozenPhase::Workspace::bringToRest(const std::vector<std::uint8_t> &rests) {
+  std::vector<int> rows;
+  bool moving = false;
+  for (int r = 0; r < n + m; ++r) {
+    if (!rests[r])
+      continue;
+    rows.push_back(r);
+    moving = moving || velocity[r] != 0;
+  }
+  if (!moving)
+    return;
+  const Eigen::MatrixXd D = problem->delassus.map()(rows, rows);
+  Eigen::VectorXd rest(rows.size());
+  for (std::size_t a = 0; a < rows.size(); ++a)
+    rest[static_cast<Eigen::Index>(a)] = -velocity[rows[a]];
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
+  factor.setThreshold(1e-10);
+  const Eigen::VectorXd correction = factor.compute(D).solve(rest);
+  for (std::size_t a = 0; a < rows.size(); ++a) {
+    const double change = correction[static_cast<Eigen::Index>(a)];
+    impulse[rows[a]] += change;
+    for (int r = 0; r < n + m; ++r)
+      velocity[r] += problem->delassus(r, rows[a]) * change;
+  }
+  for (const int r : rows)
+    velocity[r] = 0;
+}
+
+// Steps over what is nearly zero until nothing is.
+bool SpatialFrozenPhase::Workspace::settleNearZero(int forced) {
+  for (int k = 0; k <= mostDoublings && anyNearZero(); ++k) {
+    const double band = stepBand * stillSpeed * std::ldexp(1.0, k);
+    if (!stepOver(forced, band / largestChange, band) && k == mostDoublings)
+      return false;
+  }
+  return true;
+}
+
+// Where steps follow each other within no time to speak of, leaps over as many of them as possible; where breakpoints do, steps over all
+// that may happen, each time further.
+bool SpatialFrozenPhase::Workspace::passCrowd(int forced, bool &found) {
+  windowBreakpoints += found ? 1 : 0;
+  if (++windowSteps < window)
+    return true;
+  const bool breakpointsOnly = windowBreakpoints == windowSteps;
+  double length = tau - windowBegin;
+  windowSteps = windowBreakpoints = 0;
+  windowBegin = tau;
+  if (length > crowd * scale / largestChange) {
+    crowding = 0;
+    return true;
+  }
+  const double farthest = longLeap * scale / largestChange;
+  for (; length > 0 && length <= farthest && anyPushes() && leap(forced, length); length *= 2) {
+    found = true;
+    nextLength = infinity;
+  }
+  if (tau > windowBegin || !breakpointsOnly)
+    return true;
+  if (++crowding > mostDoublings)
+    return false;
+  const double band = stepBand * stillSpeed * std::ldexp(1.0, crowding);
+  nextLength = infinity;
+  return stepOver(forced, band / largestChange, band);
+}
+
+// Over the length by extrapolation of the implicit Euler method, for slips so slow that friction is stiff and their way is smooth all the
+// same, as where a force has just left its limit. False, and nothing has changed, where that does not converge.
+bool SpatialFrozenPhase::Workspace::leap(int forced, double length) {
+  const int count = n + m;
+  const std::vector<double> from = velocity;
+  const Eigen::Map<const Eigen::VectorXd> start(from.data(), count);
+  const double band = stepBand * length * largestChange;
+  std::array<Eigen::VectorXd, leapColumns> table;
+  Eigen::VectorXd carried, previous;
+  std::vector<std::uint8_t> rests;
+  bool converged = false;
+  for (int k = 0; k < leapColumns && !converged; ++k) {
+    velocity = from;
+    carried.setZero(count);
+    const double part = length / (k + 1);
+    for (int step = 0; step <= k; ++step) {
+      if (!findForces(forced, part, band)) {
+        velocity = from;
+        return false;
+      }
+      updateAcceleration();
+      for (int r = 0; r < count; ++r) {
+        velocity[r] += part * acceleration[r];
+        carried[r] += part * force[r];
+      }
+      markRests(from, part, band, rests);
+    }
+    for (int j = 0; j < k; ++j) {
+      const double ratio = static_cast<double>(k + 1) / (k - j);
+      previous = table[static_cast<std::size_t>(j)];
+      table[static_cast<std::size_t>(j)] = carried;
+      carried += (carried - previous) / (ratio - 1);
+    }
+    if (k > 1)
+      converged =
+          (problem->delassus.map() * (carried - table[static_cast<std::size_t>(k - 1)])).lpNorm<Eigen::Infinity>() <= leapAccuracy * scale;
+    table[static_cast<std::size_t>(k)] = carried;
+  }
+  const Eigen::VectorXd end = start + problem->delassus.map() * carried;
+  for (int i = 0; i < n; ++i)
+    converged =
+        converged && (from[i] == 0 || from[i] * end[i] > 0) && restitution.exhaustion(i, from[i], (end[i] - from[i]) / length) > length;
+  velocity = from;
+  if (!converged)
+    return false;
+  for (int r = 0; r < count; ++r) {
+    velocity[r] = end[r];
+    impulse[r] += carried[r];
+  }
+  bringToRest(rests);
+  for (int i = 0; i < n; ++i)
+    restitution.advance(i, from[i], (velocity[i] - from[i]) / length, length, false);
+  tau += length;
+  return true;
+}
+
+// Rows within the band whose velocity a step of the implicit Euler method has brought to zero, or kept there.
+void SpatialFrozenPhase::Workspace::markRests(const std::vector<double> &from, double step, double band,
+                                              std::vector<std::uint8_t> &rests) const {
+  rests.assign(n + m, 0);
+  const auto isZero = [&](double speed, double before, double terms) {
+    return before <= band && speed <= std::max(roundingSpeed, 100 * feasibility * (before + terms * step));
+  };
+  for (int i = 0; i < n; ++i)
+    rests[i] = isZero(std::abs(velocity[i]), std::abs(from[i]), turnover[i]);
+  for (int j = 0; j < m; ++j) {
+    if (isSecond(j))
+      continue;
+    const int last = n + (isPair(j) ? j + 1 : j);
+    rests[n + j] = rests[last] = isZero(slipSpeed(j, velocity), slipSpeed(j, from), std::max(turnover[n + j], turnover[last]));
+  }
+}
+
+}  // namespace tf::runtime

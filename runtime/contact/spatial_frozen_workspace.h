@@ -1,0 +1,122 @@
+// The parts of SpatialFrozenPhase: the path from breakpoint to breakpoint (spatial_frozen_phase.cpp), its curved pieces
+// (spatial_frozen_curves.cpp), and steps of the implicit Euler method over what is nearly zero or stiff (spatial_frozen_steps.cpp).
+#ifndef TF_RUNTIME_CONTACT_SPATIAL_FROZEN_WORKSPACE_H
+#define TF_RUNTIME_CONTACT_SPATIAL_FROZEN_WORKSPACE_H
+
+#include "runtime/contact/cone_friction.h"
+#include "runtime/contact/extrapolation.h"
+#include "runtime/contact/frozen_mode.h"
+#include "runtime/contact/planar_friction.h"
+#include "runtime/contact/spatial_frozen_phase.h"
+
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+namespace tf::runtime {
+
+struct SpatialFrozenPhase::Workspace {
+  static constexpr double infinity = std::numeric_limits<double>::infinity();
+  // Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
+  static constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
+  static constexpr double feasibility = 1e-9;
+  // Accelerations of the iterative solution are zero below this part of the terms that they are sums of.
+  static constexpr double solved = 1e-11;
+  // Relative to the velocities: below `still` the direction of a slip is that of its reference, and a slip that comes to rest is zero; a
+  // piece that leaves its straight continuation by less than `straight` is straight.
+  static constexpr double still = 2e-11, straight = 1e-13, accuracy = 1e-13;
+  static constexpr int keptBreakpoints = 1000, breakpointLimit = 2000;
+  // Of the steps over what is within `still` of zero: how many times as far as that they go, and by how often the next one may be longer.
+  static constexpr double stepBand = 32;
+  static constexpr int mostDoublings = 16, window = 8;
+  static constexpr double crowd = 1e-3, longLeap = 0.1;
+  static constexpr int leapColumns = 7;
+  static constexpr double leapAccuracy = 1e-12;
+
+  // A quantity that is positive on the piece; the piece ends where it falls to zero.
+  struct Watch {
+    enum class Kind : std::uint8_t { Normal, Slip, PairSlip, HeldLow, HeldHigh, Stick, StoredImpulse, StoredWork };
+    Kind kind = Kind::Normal;
+    int index = 0;  // normal or tangential row
+    double sign = 1;
+    double level = 0;  // slips that start from zero: how far below zero they may fall
+  };
+
+  const FrozenProblem *problem = nullptr;
+  int n = 0, m = 0;
+  PlanarFrictionSolver planar;
+  ConeFrictionSolver cone;
+  Restitution restitution;
+  Extrapolation integrator;
+  FrozenResult result;
+  std::vector<FrozenBreakpoint> breakpoints;
+  FrozenMode mode;
+  int kept = 0;
+  double tau = 0, scale = 0;                          // scale: largest velocity
+  std::vector<double> velocity, impulse;              // c2 (less Newton's target) and c3; total impulses
+  std::vector<double> force, acceleration, turnover;  // λ, w = D λ, Σ |D λ|
+  std::vector<int> leaving;                           // rows whose force has just reached a limit: 1 or −1, by its side
+  std::vector<Watch> watches;
+  Eigen::VectorXd state, zeroState;  // P − P(begin of the step), ∫ c2 dτ
+  std::vector<double> point, pointForce;
+  double nextLength = 0;
+  double roundingSpeed = 0;    // velocities below are within rounding of zero
+  double stillSpeed = 0;       // slips below come to rest, or start
+  double motionless = solved;  // accelerations are zero below this part of the terms that they are sums of
+  double largestChange = 0;    // bound of |D λ|
+  int windowSteps = 0, windowBreakpoints = 0, crowding = 0;
+  double windowBegin = 0;
+
+  void begin(const FrozenProblem &at, int forced);
+  [[nodiscard]] bool pushes(int i) const { return velocity[i] < 0 || restitution.stored(i); }
+  [[nodiscard]] bool anyPushes() const;
+  [[nodiscard]] bool isPair(int j) const { return problem->partner[j] > j; }
+  [[nodiscard]] bool isSecond(int j) const { return problem->partner[j] >= 0 && problem->partner[j] < j; }
+  [[nodiscard]] double slipSpeed(int j, const std::vector<double> &v) const {
+    return isPair(j) ? std::hypot(v[n + j], v[n + j + 1]) : std::abs(v[n + j]);
+  }
+  bool pose(int forced, double step, double band, ConeFrictionProblem &p);
+  bool findForces(int forced, double step, double band);
+  [[nodiscard]] bool anyNearZero() const;
+  bool stepOver(int forced, double step, double band);
+  bool settleNearZero(int forced);
+  void bringToRest(const std::vector<std::uint8_t> &rests);
+  void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;
+  bool passCrowd(int forced, bool &found);
+  bool leap(int forced, double length);
+  void updateAcceleration();
+  bool choose(int forced);
+  void chooseTangent(int j);
+  bool evaluate();
+
+  double nextBreakpoint(Watch &first) const;
+  [[nodiscard]] double departure(double duration) const;
+  // In which velocities may change altogether.
+  [[nodiscard]] double longPiece() const { return scale / std::max(*std::max_element(turnover.begin(), turnover.end()), 1e-300); }
+  void advance(const Watch &event, double duration);
+  void listWatches();
+  [[nodiscard]] double value(const Watch &watch, double duration) const;
+  double responsiveness() const;
+  bool moveTo(const Eigen::VectorXd &y, Eigen::VectorXd &rate);
+  bool integrate(double h);
+  // The last step has missed the accuracy by little, as steps that end at an event may.
+  [[nodiscard]] bool nearlyIntegrated() const { return integrator.error() <= 1e3 * accuracy * scale / responsiveness(); }
+  bool findEvent(double &h, Watch &event, bool &found);
+  double locate(const Watch &watch, double high);
+  bool curve(double estimate, bool slipStops, Watch &event, bool &found);
+  [[nodiscard]] bool turnsFar() const;
+  bool settleStop(const Watch &event, double &h, bool &found);
+  void commit(double h, const Watch *event);
+  void finishEvent(const Watch &event);
+  bool discard();
+  void record(int row, FrozenEvent event);
+  [[nodiscard]] FrozenEvent classify(const Watch &event) const;
+  void fail(FrozenStatus status);
+  void reconcile();
+  void follow(int forced);
+};
+
+}  // namespace tf::runtime
+
+#endif
