@@ -172,6 +172,10 @@ void ModelEvaluation::moveCoordinates(double *state, const double *change) {
   in_[TF_IN_V] = velocities;
   for (int i = 0; i < model_->nq; ++i)
     state[i] += coordinateChange_[i];
+  normaliseQuaternions(state);
+}
+
+void ModelEvaluation::normaliseQuaternions(double *state) const {
   for (int r = 0; r < model_->nr; ++r) {
     double *quaternion = state + model_->quaternions[r];
     const double length = std::hypot(std::hypot(quaternion[0], quaternion[1]), std::hypot(quaternion[2], quaternion[3]));

@@ -49,6 +49,7 @@ public:
   void kinematicsDerivatives();
   // Moves the coordinates in `state` along N(q) v, which may be any change of the velocities' kind; quaternions stay of unit length.
   void moveCoordinates(double *state, const double *change);
+  void normaliseQuaternions(double *state) const;
   void evaluateOutputs(double *values);
   // At `acceleration`.
   void energies(double &kinetic, double &potential, double &power);

@@ -87,6 +87,8 @@ double Projection::coordinateResiduals() {
 void Projection::projectCoordinates(double *state) {
   constexpr int mostCorrections = 5;
   constexpr double rounding = 1e-14;
+  // First of all: a quaternion's length changes gaps, and every correction makes it 1.
+  at_.normaliseQuaternions(state);
   double previous = std::numeric_limits<double>::infinity();
   for (int correction = 0; correction < mostCorrections; ++correction) {
     const double worst = coordinateResiduals();
