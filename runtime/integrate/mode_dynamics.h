@@ -114,7 +114,7 @@ public:
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }
   void renewDirections(double time, const double *state) { slips_.renew(time, state); }
-  void holdDirection(int guard, bool hold) { slips_.hold(guards_[guard].index, hold); }
+  void holdDirections(double slow) { slips_.hold(slow); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
   [[nodiscard]] int slipRow(int guard) const { return slips_.modelRow(guards_[guard].index); }
   [[nodiscard]] bool launches() const { return slips_.launches(); }

@@ -12,14 +12,14 @@ std::vector<double> array(int rows, int columns = 1) { return std::vector<double
 }  // namespace
 
 ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inputs)
-    : mobility(MassMatrix(model.nv, model.mass_rows, model.mass_columns), model.nh), massMatrix(array(model.nv, model.nv)), force(array(model.nv)), stateRate(array(model.nz)),
-      gap(array(model.nc)), gapRate(array(model.nc)), slip(array(model.nt)), condition(array(model.ns)), normal(array(model.nc, model.nv)),
-      normalBias(array(model.nc)), tangent(array(model.nt, model.nv)), tangentBias(array(model.nt)), friction(array(model.nc)),
-      bound(array(model.nt)), residual(array(model.nh)), residualRate(array(model.nh)), constraintJacobian(array(model.nh, model.nv)),
-      constraintBias(array(model.nh)), rate(array(model.nc)), restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)),
-      stateRateByStep(array(model.nz, model.ns)), input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)),
-      acceleration(array(model.nv)), normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)),
-      model_(&model), inputs_(&inputs) {
+    : mobility(MassMatrix(model.nv, model.mass_rows, model.mass_columns), model.nh), massMatrix(array(model.nv, model.nv)),
+      force(array(model.nv)), stateRate(array(model.nz)), gap(array(model.nc)), gapRate(array(model.nc)), slip(array(model.nt)),
+      condition(array(model.ns)), normal(array(model.nc, model.nv)), normalBias(array(model.nc)), tangent(array(model.nt, model.nv)),
+      tangentBias(array(model.nt)), friction(array(model.nc)), bound(array(model.nt)), residual(array(model.nh)),
+      residualRate(array(model.nh)), constraintJacobian(array(model.nh, model.nv)), constraintBias(array(model.nh)), rate(array(model.nc)),
+      restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)), stateRateByStep(array(model.nz, model.ns)),
+      input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)), acceleration(array(model.nv)),
+      normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs) {
   const int nx = columns();
   conditionGradient = array(model.ns, nx);
   residualByState = array(model.nv, nx);

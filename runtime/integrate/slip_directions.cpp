@@ -66,6 +66,11 @@ void SlipDirections::renew(double time, const double *state) {
   }
 }
 
+void SlipDirections::hold(double slow) {
+  for (int k = 0; k < count(); ++k)
+    pairs_[k].held = slow > 0 && speed(k) <= slow;
+}
+
 bool SlipDirections::haveLaunched() const {
   constexpr double small = 1e-2;
   for (int k = 0; k < count(); ++k)

@@ -44,8 +44,9 @@ public:
   [[nodiscard]] bool launches() const { return launches_; }
   // No slip is small any more at the point of the last `renew`.
   [[nodiscard]] bool haveLaunched() const;
-  // The direction of friction is the reference direction, whatever the slip is, until `renew` or `choose`.
-  void hold(int pair, bool held) { pairs_[pair].held = held; }
+  // The direction of friction is the reference direction, whatever the slip is, for the pairs that are now not faster than `slow`, until
+  // `renew`, `choose` or the next call; for all others it is that of the slip.
+  void hold(double slow);
 
   // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
   void differentiate(double time, const double *state);

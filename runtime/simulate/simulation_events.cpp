@@ -345,19 +345,24 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   at_.setPoint(event.time, state.data());
   at_.switching(ModelEvaluation::Slips);
   const double speed = dynamics_.slipSpeed(event.guard);
-  if (speed > 1e3 * allowed)
+  const double slow = 1e3 * allowed;
+  if (speed > slow)
     return false;
-  dynamics_.holdDirection(event.guard, true);
+  // Slips of one body end together: none of them has a direction there.
+  dynamics_.holdDirections(slow);
   if (detection_->locate(event)) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
     if (dynamics_.slipSpeed(event.guard) <= allowed)
       return true;
   }
-  dynamics_.holdDirection(event.guard, false);
+  dynamics_.holdDirections(0);
   if (speed > 10 * allowed)
     return false;
-  // Other slips that have just begun may keep implicit equations from being solved to rounding: the interpolant is as good as the step.
+  // The step without the hold, of which energies and sensitivities take the inside.
+  if (integrator.shorten(event.time))
+    return true;
+  // Other slips that have just begun may keep implicit equations from being solved: the interpolant is as good as the step.
   std::copy(state.begin(), state.end(), integrator.end());
   integrator.moveEnd(event.time);
   return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
