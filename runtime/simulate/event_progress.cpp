@@ -6,10 +6,10 @@
 namespace tf::runtime {
 
 bool EventProgress::add(double time) {
-  constexpr int most = 1000;
+  const int most = 1000 + 100 * elements;
   constexpr double shortTime = 1e-7;  // relative to the time, and of a second
   if (time > since + shortTime * std::max(1.0, std::abs(time)))
-    start(time);
+    start(time, elements);
   return ++count <= most;
 }
 

@@ -101,9 +101,25 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   return TF_OK;
 }
 
+// Onto what a mode holds at zero, whether or not it has admissible forces: settle() decides whether the contacts stay closed. Returns the
+// size of the last correction.
+double Simulation::Implementation::projectOnto(const Mode &mode, double time, double *state) {
+  constexpr int mostPasses = 3;
+  constexpr double rounding = 1e-14;
+  const double *scale = integrators_.current().settings().scale.data();
+  double correction = 1;
+  for (int pass = 0; pass < mostPasses && correction > rounding; ++pass) {
+    dynamics_.start(mode, time, state);
+    correction = dynamics_.project(state, scale);
+  }
+  return correction;
+}
+
 // After an impact that the tolerance does not see: what is left of the velocities of these contacts and is as slow becomes zero. Slips with
 // two components have no direction there that is more than an error, and would start one another again and again.
 tf_status Simulation::Implementation::stopTogether(const std::vector<int> &contacts, double slow) {
+  if (std::none_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); }))
+    return TF_OK;
   Mode resting = mode_;
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
@@ -121,11 +137,7 @@ tf_status Simulation::Implementation::stopTogether(const std::vector<int> &conta
                                                          : Tangent::SlipNegative;
     }
   }
-  const double *scale = integrators_.current().settings().scale.data();
-  const auto stop = [&](double time, double *state) {
-    dynamics_.start(resting, time, state);
-    return std::isfinite(dynamics_.project(state, scale));
-  };
+  const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
   if (sensitivities_ && !sensitivities_->propagate(stop, time_, state_.data()))
     return failSensitivities("the impact");
   stop(time_, state_.data());
@@ -274,12 +286,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     resting.closed[i] = 1;
   for (const int j : point.sticking)
     resting.tangent[j] = Tangent::Stick;
-  // Whether the contacts really stay closed is decided by settle(): a mode without admissible forces can still be projected onto.
-  for (int pass = 0; pass < 3; ++pass) {
-    dynamics_.start(resting, time_, state_.data());
-    if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) < 1e-14)
-      break;
-  }
+  projectOnto(resting, time_, state_.data());
   if (sensitivities_) {
     const double *scale = integrators_.current().settings().scale.data();
     const auto project = [&](double time, double *state) {

@@ -100,6 +100,7 @@ private:
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
   tf_status enterMode(Selection &selection, const Mode &previous, std::vector<Transition> &transitions);
   tf_status freeze(std::vector<Transition> &transitions, int forced);
+  double projectOnto(const Mode &mode, double time, double *state);
   tf_status stopTogether(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
   tf_status differentiateEvent(int guard);

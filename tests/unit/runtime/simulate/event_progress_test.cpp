@@ -7,7 +7,7 @@ namespace {
 
 int eventsUntilGivenUp(double time, double distance, int most) {
   EventProgress progress;
-  progress.start(time);
+  progress.start(time, 3);
   int count = 0;
   while (count < most && progress.add(time + count * distance))
     ++count;
@@ -21,6 +21,13 @@ TEST(EventProgress, GivesUpWhereProgressIsTiny) {
   EXPECT_LT(eventsUntilGivenUp(1e6, 1e-9, 100000), 5000);
 }
 
+TEST(EventProgress, ManyElementsMayHaveManyEvents) {
+  EventProgress progress;
+  progress.start(1, 100);
+  for (int k = 0; k < 10000; ++k)
+    ASSERT_TRUE(progress.add(1)) << k;
+}
+
 TEST(EventProgress, FastSwitchingGoesOn) {
   EXPECT_EQ(eventsUntilGivenUp(0, 1e-8, 100000), 100000);
   EXPECT_EQ(eventsUntilGivenUp(3600, 1e-6, 100000), 100000);
@@ -28,7 +35,7 @@ TEST(EventProgress, FastSwitchingGoesOn) {
 
 TEST(EventProgress, ABurstOfEventsAtOneTimeGoesOn) {
   EventProgress progress;
-  progress.start(0);
+  progress.start(0, 3);
   for (int burst = 1; burst <= 100; ++burst)
     for (int k = 0; k < 300; ++k)
       ASSERT_TRUE(progress.add(burst)) << burst;
