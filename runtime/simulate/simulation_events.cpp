@@ -352,7 +352,7 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   at_.setPoint(event.time, state.data());
   at_.switching(ModelEvaluation::Slips);
   const double speed = dynamics_.slipSpeed(event.guard);
-  const double slow = 1e3 * allowed;
+  const double most = 10 * allowed, slow = 1e3 * allowed;
   if (speed > slow)
     return false;
   // Slips of one body end together: none of them has a direction there.
@@ -360,15 +360,12 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   if (detection_->locate(event)) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
-    if (dynamics_.slipSpeed(event.guard) <= allowed)
+    if (dynamics_.slipSpeed(event.guard) <= most)
       return true;
   }
   dynamics_.holdDirections(0);
-  if (speed > 10 * allowed)
+  if (speed > most)
     return false;
-  // The step without the hold, of which energies and sensitivities take the inside.
-  if (integrator.shorten(event.time))
-    return true;
   // Other slips that have just begun may keep implicit equations from being solved: the interpolant is as good as the step.
   std::copy(state.begin(), state.end(), integrator.end());
   integrator.moveEnd(event.time);
