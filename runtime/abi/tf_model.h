@@ -174,14 +174,14 @@ typedef struct tf_model {
   int32_t variable_count, alias_count;
   const tf_variable *variables; /* in the order of the result columns; the first two are time and tau */
   const tf_alias *aliases;
-  const tf_contact *contacts;                        /* nc */
-  const tf_friction *frictions;                      /* nf */
-  const tf_switch *switches;                         /* ns */
-  const tf_constraint *constraints;                  /* nk; rows in order, without gaps */
-  const int32_t *quaternions;                        /* nr: the first coordinate of each unit quaternion */
-  const double *parameters;                          /* np: the values of unbound parameters (0 for bound ones) */
-  int32_t binding_depth;                             /* bindings must be evaluated this often for all bound parameters to be right */
-  int32_t mass_is_constant;                          /* M depends on parameters only */
+  const tf_contact *contacts;       /* nc */
+  const tf_friction *frictions;     /* nf */
+  const tf_switch *switches;        /* ns */
+  const tf_constraint *constraints; /* nk; rows in order, without gaps */
+  const int32_t *quaternions;       /* nr: the first coordinate of each unit quaternion */
+  const double *parameters;         /* np: the values of unbound parameters (0 for bound ones) */
+  int32_t binding_depth;            /* bindings must be evaluated this often for all bound parameters to be right */
+  int32_t mass_is_constant;         /* M depends on parameters only */
   /* Entries of M below the diagonal that may differ from zero: mass_columns[mass_rows[i]] ... mass_columns[mass_rows[i + 1] - 1] of row i,
      ascending. mass_rows: nv + 1; null where all entries may. */
   const int32_t *mass_rows, *mass_columns;

@@ -49,6 +49,36 @@ TEST(Sensitivities, AnInputIsAConstantAddedToIt) {
   EXPECT_NEAR(sensitivity(model, "q[2]", 1), 0, 1e-10);
 }
 
+// Both ends of a level rod hit the floor at once: by its height they go on doing so, by its angle one comes before the other.
+TEST(Sensitivities, OfImpactsAtOneTimeExistWhereTheyStayTogether) {
+  const std::string file = sourceFile("level_rod", R"(
+model LevelRod
+  coordinate Real y(start = 1), phi;
+  body rod(mass = 1, position = {0, y}, angle = phi, inertia = 0.1);
+  gravity weight(acceleration = {0, -9.81});
+  contact tip[2](gap = {y - 0.5*sin(phi), y + 0.5*sin(phi)}, each restitution = 0.5);
+end LevelRod;
+)");
+  const double impact = std::sqrt(2 / 9.81), speed = 9.81 * impact;
+  CompiledModel byHeight(file);
+  differentiateBy(byHeight, {"y"});
+  byHeight.tolerance(1e-9).initialise();
+  byHeight.advance(0.6);
+  // y = 0.5 v (t − t1) − g (t − t1)²/2 with v = g t1 and dt1/dh = 1/v
+  const double later = 0.6 - impact;
+  EXPECT_NEAR(sensitivity(byHeight, "y", 0), (0.5 * 9.81 * later - 0.5 * speed + 9.81 * later) / speed, 1e-7);
+  CompiledModel byAngle(file);
+  differentiateBy(byAngle, {"phi"});
+  byAngle.tolerance(1e-9).initialise();
+  try {
+    byAngle.advance(0.6);
+    FAIL() << "no error";
+  } catch (const std::runtime_error &error) {
+    EXPECT_NE(std::string(error.what()).find("'tip[1]', 'tip[2]', which come one after the other nearby"), std::string::npos)
+        << error.what();
+  }
+}
+
 TEST(Sensitivities, NamesOfResultsAreRefused) {
   CompiledModel model(TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf");
   for (const char *name : {"floor.normalForce", "no such thing"})
