@@ -232,8 +232,8 @@ bool checkContacts(Derivation &derivation) {
   };
   const int errors = derivation.diagnostics.errorCount();
   const auto checkSlip = [&](const ElementEntry &entry, int first, int count) {
-    for (int k = 0; k < count; ++k) {
-      const std::vector<NodeId> &row = system.tangents[static_cast<std::size_t>(first + k)].jacobian;
+    for (int k = first; k < first + count; ++k) {
+      const std::vector<NodeId> &row = system.tangents[static_cast<std::size_t>(k)].jacobian;
       if (isZero(row))
         derivation.diagnostics.report(diag::ImmovableSlip, spanOf(entry, "slip"), entry.name);
       for (const NodeId node : row)

@@ -173,8 +173,10 @@ bool SpatialFrozenPhase::Workspace::findEvent(double &h, Watch &event, bool &fou
 // The direction of some slip that is not about zero at either end has changed by more than 40° in the step.
 bool SpatialFrozenPhase::Workspace::turnsFar() const {
   return std::any_of(watches.begin(), watches.end(), [this](const Watch &watch) {
+    if (watch.kind != Watch::Kind::PairSlip || watch.level != 0)
+      return false;
     const double speed = slipSpeed(watch.index, point);
-    return watch.kind == Watch::Kind::PairSlip && watch.level == 0 && speed > stillSpeed && value(watch, 0) < 0.77 * speed;
+    return speed > stillSpeed && value(watch, 0) < 0.77 * speed;
   });
 }
 

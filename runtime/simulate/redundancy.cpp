@@ -46,6 +46,7 @@ std::vector<std::string> Redundancy::newlyRedundant() {
       continue;
     reported_[static_cast<std::size_t>(dependent.row)] = true;
     std::vector<std::string> sources;
+    sources.reserve(dependent.sources.size());
     for (const int source : dependent.sources)
       sources.push_back(nameOf(source));
     const tf_location &location = constraintOf(dependent.row).location;
