@@ -250,6 +250,7 @@ template <class Entry> void QuantityTable::addTangentRows(const Entry &entry, co
   const bool isScalar = count == 1 && element.find("slip")->value->type.dims.size() == element.dims.size();
   const bool isPolyhedral = entry.form.kind == TF_FRICTION_POLYHEDRAL;
   std::vector<NodeId> rowForces;
+  rowForces.reserve(static_cast<std::size_t>(entry.tangentCount()));
   for (int k = 0; k < entry.tangentCount(); ++k)
     rowForces.push_back(system_.graph.symbol(SymbolKind::TangentForce, entry.tangentFirst + k));
   const auto addAll = [&](const char *result, int kind, const std::vector<NodeId> &nodes, const char *unit, const char *description) {
