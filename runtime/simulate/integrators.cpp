@@ -51,8 +51,9 @@ void Integrators::make(const SimulationOptions &options) {
     primary_ = element(std::make_unique<Radau>(n, options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3));
   else
     primary_ = element(std::make_unique<DormandPrince>(n));
-  const std::vector<int> pairs = pairsOfTangents(dynamics_.model().model());
-  if (wanted_ != TF_STEP && std::any_of(pairs.begin(), pairs.end(), [](int first) { return first >= 0; }))
+  const tf_model &model = dynamics_.model().model();
+  if (wanted_ != TF_STEP && (std::any_of(model.contacts, model.contacts + model.nc, sharesDisk<tf_contact>) ||
+                             std::any_of(model.frictions, model.frictions + model.nf, sharesDisk<tf_friction>)))
     launch_ = element(std::make_unique<Radau>(n, 4));
   if (wanted_ == TF_CVODE)
     bounces_ = element(std::make_unique<DormandPrince>(n));

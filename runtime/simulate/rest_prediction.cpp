@@ -142,10 +142,10 @@ void RestPrediction::classify(const double *state, const std::vector<int> &tange
     touches_[i] = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
     stands_[i] = mode.closed[i] || (touches_[i] && std::abs(at_.gapRate[i]) <= still);
   }
-  const std::vector<int> pairs = pairsOfTangents(model);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
-    const int row = tangents[j], pair = pairs[row];
-    const double speed = pair < 0 ? std::abs(at_.slip[row]) : std::hypot(at_.slip[pair], at_.slip[pair + 1]);
+    const int row = tangents[j], partner = problem_.partner[j];
+    const double other = partner < 0 ? 0.0 : at_.slip[tangents[static_cast<std::size_t>(partner)]];
+    const double speed = std::hypot(at_.slip[row], other);
     stands_[model.nc + j] = mode.tangent[row] == Tangent::Stick || speed <= still;
   }
 }

@@ -33,8 +33,8 @@ public:
   void start(double time);
   // S over the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be evaluated.
   bool addStep(SmoothIntegrator &integrator);
-  // An event at (time, state) with rate f⁻: at the common zero of `guards` of the dynamics' mode, or (none) at a time that does not depend
-  // on θ.
+  // An event at (time, state) with rate f⁻: at the common zero of `guards` (one at least) of the dynamics' mode. Events
+  // at times that do not depend on θ need no such call.
   EventDerivative beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards);
   // The state is mapped. `map` changes the state at a time in place; false where it cannot.
   using Map = std::function<bool(double time, double *state)>;

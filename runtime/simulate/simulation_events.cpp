@@ -123,14 +123,14 @@ tf_status Simulation::Implementation::stopTogether(const std::vector<int> &conta
   Mode resting = mode_;
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
-  const auto slips = [&](int row, int count) { return std::hypot(at_.slip[row], count > 1 ? at_.slip[row + 1] : 0.0); };
   for (const int i : contacts) {
     const tf_contact &contact = model_.contacts[i];
     resting.closed[i] = std::abs(at_.gapRate[i]) <= slow ? 1 : 0;
     const bool pair = sharesDisk(contact);
     for (int k = 0; k < contact.tangent_count; ++k) {
       const int row = contact.tangent_first + k;
-      const double speed = pair ? slips(contact.tangent_first, 2) : slips(row, 1);
+      const double speed =
+          pair ? std::hypot(at_.slip[contact.tangent_first], at_.slip[contact.tangent_first + 1]) : std::abs(at_.slip[row]);
       resting.tangent[row] = !resting.closed[i]          ? Tangent::None
                              : speed <= slow             ? Tangent::Stick
                              : pair || at_.slip[row] > 0 ? Tangent::SlipPositive

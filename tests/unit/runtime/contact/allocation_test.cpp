@@ -2,38 +2,20 @@
 #include "runtime/contact/contact_solver.h"
 #include "runtime/contact/frozen_phase.h"
 #include "runtime/contact/mode_forces.h"
+#include "tests/unit/runtime/allocation_counter.h"
 #include "tests/unit/runtime/contact/mechanisms.h"
 #include "tests/unit/runtime/contact/random_contacts.h"
 
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
-namespace {
-
-std::atomic<long> allocations{0};
-
-}  // namespace
-
-void *operator new(std::size_t size) {
-  ++allocations;
-  if (void *memory = std::malloc(size > 0 ? size : 1))
-    return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void *memory) noexcept { std::free(memory); }
-void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
 
 namespace tf::runtime {
 namespace {
 
 template <typename Work> long allocationsOf(const Work &work) {
   work();  // sizes are seen
-  const long before = allocations;
+  const long before = test::allocations;
   work();
-  return allocations - before;
+  return test::allocations - before;
 }
 
 TEST(Allocation, CountsWhatIsAllocated) {

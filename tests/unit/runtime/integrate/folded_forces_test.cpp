@@ -2,29 +2,12 @@
 #include "runtime/integrate/dormand_prince.h"
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/model/model_instance.h"
+#include "tests/unit/runtime/allocation_counter.h"
 #include "tests/unit/runtime/hand_written_models.h"
 
-#include <atomic>
 #include <cmath>
-#include <cstdlib>
 #include <gtest/gtest.h>
 #include <memory>
-#include <new>
-
-namespace {
-
-std::atomic<long> allocations{0};
-
-}  // namespace
-
-void *operator new(std::size_t size) {
-  ++allocations;
-  if (void *memory = std::malloc(size > 0 ? size : 1))
-    return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void *memory) noexcept { std::free(memory); }
-void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
 
 namespace tf::runtime {
 namespace {
@@ -102,12 +85,12 @@ TEST(FoldedForces, StepsAllocateNothing) {
     integrator.interpolate(0.5 * (integrator.beginTime() + integrator.endTime()), inside.data());
   };
   step();
-  const long before = allocations;
+  const long before = test::allocations;
   step();
   step();
-  EXPECT_EQ(allocations - before, 0);
+  EXPECT_EQ(test::allocations - before, 0);
   const auto copy = std::make_unique<double>(1);
-  EXPECT_EQ(allocations - before, 1);  // what is allocated is counted
+  EXPECT_EQ(test::allocations - before, 1);  // what is allocated is counted
 }
 
 }  // namespace
