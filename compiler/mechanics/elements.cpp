@@ -230,6 +230,7 @@ Array ElementTable::forces(const flat::Expr &reference, SymbolKind kind, Rows ro
   const FrictionForm form = kind == SymbolKind::TangentForce ? FrictionForm::of(owner) : FrictionForm{};
   for (int position = 0; position < entryCount(owner); ++position) {
     std::vector<NodeId> own;
+    own.reserve(static_cast<std::size_t>(rows.perEntry));
     for (int k = 0; k < rows.perEntry; ++k)
       own.push_back(graph_.symbol(kind, rows.first + position * rows.perEntry + k));
     const std::vector<NodeId> components = form.components(graph_, own);

@@ -61,6 +61,7 @@ std::vector<NodeId> FrictionForm::components(ir::Graph &graph, const std::vector
   std::vector<NodeId> components;
   for (const std::size_t axis : {0, 1}) {
     std::vector<NodeId> terms;
+    terms.reserve(static_cast<std::size_t>(directions));
     for (int k = 0; k < directions; ++k)
       terms.push_back(graph.mul(graph.constant(direction(k)[axis]), rowForces[static_cast<std::size_t>(k)]));
     components.push_back(graph.sum(terms));
