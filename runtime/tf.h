@@ -75,6 +75,7 @@ typedef struct tf_statistics {
   double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;
   double worst_gap_time, worst_normal_force_time, worst_constraint_time, worst_energy_error_time;
   int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;
+  double largest_normal_force;   /* over the same points: what the least one is measured against */
   int32_t redundant_constraints; /* constraint rows that follow from others, the most so far */
 } tf_statistics;
 

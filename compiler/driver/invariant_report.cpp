@@ -32,7 +32,7 @@ void reportInvariants(tf_simulation *simulation, double tolerance, Session &sess
   }
   if (s.worst_normal_force_contact >= 0)
     checks.push_back({at("least normal force", model.contacts[s.worst_normal_force_contact].name, s.worst_normal_force),
-                      -s.worst_normal_force, forceRounding, s.worst_normal_force_time});
+                      -s.worst_normal_force, std::max(forceRounding, tolerance * s.largest_normal_force), s.worst_normal_force_time});
   if (s.worst_constraint_element >= 0) {
     const tf_constraint &constraint = model.constraints[s.worst_constraint_element];
     checks.push_back({at("largest residual", constraint.name, s.worst_constraint), s.worst_constraint,

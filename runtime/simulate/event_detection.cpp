@@ -393,6 +393,33 @@ bool EventDetection::locate(DetectedEvent &event) {
   return true;
 }
 
+bool EventDetection::findEarlier(DetectedEvent &event) {
+  constexpr double visible = 100 * rounding;
+  DetectedEvent earlier;
+  const double begin = integrator_->beginTime();
+  if (std::abs(event.time - end_.time) > 1e-3 * (event.time - begin))
+    readGuards(event.time, end_);
+  const double beyond = event.time - end_.time;
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+    const Guard &guard = dynamics_.guards()[k];
+    const int number = static_cast<int>(k);
+    if (guard.kind != GuardKind::Gap || number == event.guard)
+      continue;
+    const double rate = end_.rate[k], value = end_.value[k] + rate * beyond - level(number);
+    if (value >= -visible * guard.scale)
+      continue;
+    double time = rate < 0 ? event.time - value / rate : begin;
+    if (!(time > begin))
+      time = 0.5 * (begin + event.time);
+    if (earlier.guard < 0 || time < earlier.time)
+      earlier = {number, time, begin, event.time, rate};
+  }
+  if (earlier.guard < 0)
+    return false;
+  event = earlier;
+  return true;
+}
+
 // From the element's end at `base`, projected, along the interpolant to the zero nearby; the rate at the end stays that at `base`. False:
 // no zero within the interpolant's reach.
 bool EventDetection::extend(int guard, double zero, double slope, double base, DetectedEvent &event) {

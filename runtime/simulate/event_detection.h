@@ -31,6 +31,9 @@ public:
   void advance();
   // Ends the integrator's step where the guard is zero, with the step's length as an unknown: to rounding, at the order of the method.
   bool locate(DetectedEvent &event);
+  // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed before the event, which the interpolant had in
+  // another order; the event is then that gap's, still to be located.
+  bool findEarlier(DetectedEvent &event);
 
 private:
   struct Sample {

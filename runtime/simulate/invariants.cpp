@@ -10,6 +10,7 @@ void Invariants::start() {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   gap_ = normalForce_ = {infinity, 0, -1};
   constraint_ = energy_ = {};
+  largestNormalForce_ = 0;
 }
 
 void Invariants::observe(ModeDynamics &dynamics) {
@@ -22,8 +23,10 @@ void Invariants::observe(ModeDynamics &dynamics) {
     if (at.gap[i] < gap_.value)
       gap_ = {at.gap[i], time, i};
     // An open contact has no force: that is a value, too.
-    if (const double force = dynamics.normalForce(i); force < normalForce_.value)
+    const double force = dynamics.normalForce(i);
+    if (force < normalForce_.value)
       normalForce_ = {force, time, i};
+    largestNormalForce_ = std::max(largestNormalForce_, force);
   }
   at.constraintResiduals();
   for (int k = 0; k < model.nk; ++k)

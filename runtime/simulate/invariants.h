@@ -20,12 +20,14 @@ public:
   void observeEnergy(double error, double time);
 
   [[nodiscard]] const Extreme &gap() const { return gap_; }                  // least
-  [[nodiscard]] const Extreme &normalForce() const { return normalForce_; }  // least, before rounding errors below zero are cut off
-  [[nodiscard]] const Extreme &constraint() const { return constraint_; }    // largest residual or rate
-  [[nodiscard]] const Extreme &energy() const { return energy_; }            // largest relative error
+  [[nodiscard]] const Extreme &normalForce() const { return normalForce_; }  // least, before errors below zero are cut off
+  [[nodiscard]] double largestNormalForce() const { return largestNormalForce_; }
+  [[nodiscard]] const Extreme &constraint() const { return constraint_; }  // largest residual or rate
+  [[nodiscard]] const Extreme &energy() const { return energy_; }          // largest relative error
 
 private:
   Extreme gap_, normalForce_, constraint_, energy_;
+  double largestNormalForce_ = 0;
 };
 
 }  // namespace tf::runtime

@@ -353,6 +353,7 @@ const tf_statistics &Simulation::Implementation::statistics() {
   statistics_.worst_normal_force = force.value;
   statistics_.worst_normal_force_time = force.time;
   statistics_.worst_normal_force_contact = force.element;
+  statistics_.largest_normal_force = invariants_.largestNormalForce();
   statistics_.worst_constraint = constraint.value;
   statistics_.worst_constraint_time = constraint.time;
   statistics_.worst_constraint_element = constraint.element;

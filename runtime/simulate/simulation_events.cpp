@@ -186,12 +186,18 @@ tf_status Simulation::Implementation::timeEvent() {
 tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
   if (!progress_.add(time_))
     return failWithoutProgress();
-  const Guard guard = dynamics_.guards()[event.guard];
-  const bool stops = guard.kind == GuardKind::SlipAlong;
+  bool stops = dynamics_.guards()[event.guard].kind == GuardKind::SlipAlong;
   if (stops && !locateStop(event))
     return followTurn(event);
   if (!stops && !detection_->locate(event))
     return failEvaluation();
+  for (int k = 0; k < model_.nc && detection_->findEarlier(event); ++k) {
+    stops = false;
+    dynamics_.holdDirections(0);
+    if (!detection_->locate(event))
+      return failEvaluation();
+  }
+  const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
   if (const double *scale = integrator.settings().scale.data(); stops)
     dynamics_.projectStop(integrator.end(), scale, event.guard, stopTolerance());
@@ -273,20 +279,39 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
   return TF_OK;
 }
 
+// A contact that is open in the mode has a gap below zero at (time_, state_).
+bool Simulation::Implementation::penetrates(const Mode &mode) {
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Gaps);
+  for (int i = 0; i < model_.nc; ++i)
+    if (!mode.closed[i] && at_.gap[i] < -selection_.tolerances().gap * model_.contacts[i].nominal)
+      return true;
+  return false;
+}
+
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   const double lastImpact = time_;
   const std::vector<double> afterImpact = state_;
   time_ = point.time;
   state_ = point.state;
-  for (int i = 0; i < model_.nc; ++i)
-    impulse_[i] += point.impulse[i];
   Mode resting = mode_;
   for (const int i : point.contacts)
     resting.closed[i] = 1;
   for (const int j : point.sticking)
     resting.tangent[j] = Tangent::Stick;
   projectOnto(resting, time_, state_.data());
+  // The point is known to the tolerance: there another contact may be open that the projection closes. Then bounces are followed on.
+  if (penetrates(resting)) {
+    time_ = lastImpact;
+    state_ = afterImpact;
+    if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))
+      return failEvaluation();
+    startIntegrator();
+    return TF_OK;
+  }
+  for (int i = 0; i < model_.nc; ++i)
+    impulse_[i] += point.impulse[i];
   if (sensitivities_) {
     const double *scale = integrators_.current().settings().scale.data();
     const auto project = [&](double time, double *state) {

@@ -112,6 +112,7 @@ private:
   tf_status handle(DetectedEvent event, double limit);
   tf_status changeMode(const Guard &guard, int stopped, double limit);
   tf_status afterImpact(double limit);
+  bool penetrates(const Mode &mode);
   tf_status comeToRest(const RestPoint &point);
   tf_status jam(int contact);
   tf_status timeEvent();

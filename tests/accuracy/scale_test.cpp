@@ -104,5 +104,46 @@ TEST(BodiesApart, MoveAsAlone) {
   }
 }
 
+// Smooth spheres between four walls, all of which may touch one another.
+std::string spheresOf(int count) {
+  std::string first, second;
+  int pairs = 0;
+  for (int i = 1; i <= count; ++i)
+    for (int j = i + 1; j <= count; ++j, ++pairs) {
+      first += (pairs > 0 ? "," : "") + std::to_string(i);
+      second += (pairs > 0 ? "," : "") + std::to_string(j);
+    }
+  return sourceFile("spheres.tf", "model Spheres\n  constant Integer n = " + std::to_string(count) + ", m = " + std::to_string(pairs) +
+                                      ";\n  constant Integer a[m] = {" + first + "}, b[m] = {" + second + R"(};
+  parameter Real R = 0.1, w = 0.25, e = 0.3;
+  coordinate Real c[n, 3](start = {{0.12*(-1)^k, 0.1*(-1)^div(k, 2), 0.12 + 0.22*k} for k in 1:n});
+  Real d[m, 3] = {c[b[k], :] - c[a[k], :] for k in 1:m};
+  body ball[n](each mass = 1, position = c);
+  gravity g(acceleration = {0, 0, -9.81});
+  contact floor[n](gap = c[:, 3] - fill(R, n), each restitution = e);
+  contact right[n](gap = fill(w - R, n) - c[:, 1], each restitution = e);
+  contact left[n](gap = fill(w - R, n) + c[:, 1], each restitution = e);
+  contact back[n](gap = fill(w - R, n) - c[:, 2], each restitution = e);
+  contact front[n](gap = fill(w - R, n) + c[:, 2], each restitution = e);
+  contact pair[m](gap = {sqrt(d[k, :]*d[k, :]) - 2*R for k in 1:m}, each restitution = e);
+end Spheres;
+)");
+}
+
+// Bounces that come to rest by the hundred, while others go on next to them: none of them penetrates.
+TEST(Spheres, FallIntoABox) {
+  CompiledModel model(spheresOf(15));
+  model.tolerance(1e-6);
+  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  model.initialise();
+  for (int i = 1; i <= 27; ++i)
+    model.advance(0.05 * i);
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_GT(statistics.events[TF_EVENT_REST], 20);
+  EXPECT_GE(statistics.worst_gap, -1e-9);
+  EXPECT_GE(statistics.worst_normal_force, -1e-6 * statistics.largest_normal_force);
+  EXPECT_LT(statistics.worst_energy_error, 1e-7);
+}
+
 }  // namespace
 }  // namespace tf::test
