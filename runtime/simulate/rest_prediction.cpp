@@ -86,34 +86,65 @@ bool RestPrediction::recordImpact(double time, const double *before) {
   return ++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval);
 }
 
-// All contacts and their tangential rows, with gaps and velocities at the state.
+// Contacts that touch or have bounced take part; others are added where they may close on the way.
+void RestPrediction::chooseContacts(double time, const double *state) {
+  const tf_model &model = at_.model();
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Gaps);
+  takesPart_.assign(model.nc + model.nf, 1);
+  for (int i = 0; i < model.nc; ++i)
+    takesPart_[i] =
+        dynamics_.mode().closed[i] || last_[i] > 0 || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal ? 1 : 0;
+}
+
+// True if contacts have been added to those that take part: at a few times the speeds that they have at the ends of the way they may close.
+bool RestPrediction::addReachable(double time, const double *state, const RestPoint &end) {
+  constexpr double fewTimes = 4;
+  const tf_model &model = at_.model();
+  const double span = fewTimes * (end.time - time);
+  bool added = false;
+  for (const bool isEnd : {false, true}) {
+    at_.setPoint(isEnd ? end.time : time, isEnd ? end.state.data() : state);
+    at_.switching(ModelEvaluation::Gaps);
+    for (int i = 0; i < model.nc; ++i) {
+      if (takesPart_[i] || at_.gap[i] > span * std::abs(at_.gapRate[i]))
+        continue;
+      takesPart_[i] = 1;
+      added = true;
+    }
+  }
+  return added;
+}
+
+// The contacts that take part and their tangential rows, with gaps and velocities at the state.
 void RestPrediction::chooseRows(double time, const double *state) {
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
-  const std::vector<std::uint8_t> all(model.nc + model.nf, 1);
-  at_.contactTerms(all.data());
+  at_.contactTerms(takesPart_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   const std::vector<int> owner = contactsOfTangents(model);
   std::vector<int> contacts, tangents;
   for (int i = 0; i < model.nc; ++i)
-    contacts.push_back(i);
+    if (takesPart_[i])
+      contacts.push_back(i);
   for (int j = 0; j < model.nt; ++j)
-    if (owner[j] < 0 || at_.friction[owner[j]] > 0)
+    if (owner[j] < 0 || (takesPart_[owner[j]] && at_.friction[owner[j]] > 0))
       tangents.push_back(j);
-  problem_.resize(model.nc, static_cast<int>(tangents.size()));
+  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);
   if (!isDisplaced_)
-    classify(state, tangents);
-  for (int i = 0; i < model.nc; ++i) {
-    problem_.gap[i] = touches_[i] ? 0 : at_.gap[i];
-    problem_.velocity[i] = stands_[i] ? 0 : at_.gapRate[i];
-    problem_.rate[i] = at_.rate[i];
-    problem_.restitution[i] = at_.restitution[i];
-    problem_.law[i] = static_cast<ImpactLaw>(model.contacts[i].law);
+    classify(state);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const int i = contacts[k];
+    problem_.gap[k] = touches_[k] ? 0 : at_.gap[i];
+    problem_.velocity[k] = stands_[k] ? 0 : at_.gapRate[i];
+    problem_.rate[k] = at_.rate[i];
+    problem_.restitution[k] = at_.restitution[i];
+    problem_.law[k] = static_cast<ImpactLaw>(model.contacts[i].law);
   }
   for (int j = 0; j < problem_.tangentCount; ++j)
-    if (problem_.partner[j] < 0)
-      problem_.velocity[model.nc + j] = stands_[model.nc + j] ? 0 : at_.slip[tangents[j]];
+    if (const int row = problem_.normalCount + j; problem_.partner[j] < 0)
+      problem_.velocity[row] = stands_[row] ? 0 : at_.slip[tangents[j]];
     else if (problem_.partner[j] > j)
       choosePair(j);
 }
@@ -132,32 +163,32 @@ void RestPrediction::choosePair(int j) {
 }
 
 // What is zero at the state but for rounding.
-void RestPrediction::classify(const double *state, const std::vector<int> &tangents) {
+void RestPrediction::classify(const double *state) {
   const tf_model &model = at_.model();
   const Mode &mode = dynamics_.mode();
+  const std::vector<int> &contacts = rows_.contacts(), &tangents = rows_.tangents();
   const double still = selection_.velocityTolerance(state);
-  touches_.assign(model.nc, 0);
-  stands_.assign(static_cast<std::size_t>(model.nc) + tangents.size(), 0);
-  for (int i = 0; i < model.nc; ++i) {
-    touches_[i] = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
-    stands_[i] = mode.closed[i] || (touches_[i] && std::abs(at_.gapRate[i]) <= still);
+  touches_.assign(contacts.size(), 0);
+  stands_.assign(contacts.size() + tangents.size(), 0);
+  for (std::size_t k = 0; k < contacts.size(); ++k) {
+    const int i = contacts[k];
+    touches_[k] = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
+    stands_[k] = mode.closed[i] || (touches_[k] && std::abs(at_.gapRate[i]) <= still);
   }
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const int row = tangents[j], partner = problem_.partner[j];
     const double other = partner < 0 ? 0.0 : at_.slip[tangents[static_cast<std::size_t>(partner)]];
     const double speed = std::hypot(at_.slip[row], other);
-    stands_[model.nc + j] = mode.tangent[row] == Tangent::Stick || speed <= still;
+    stands_[contacts.size() + j] = mode.tangent[row] == Tangent::Stick || speed <= still;
   }
 }
 
 // D and φ at the positions of the state and these velocities.
 bool RestPrediction::evaluateCoefficients(double time, const std::vector<double> &state) {
-  const tf_model &model = at_.model();
   at_.setPoint(time, state.data());
-  const std::vector<std::uint8_t> all(model.nc + model.nf, 1);
   if (!at_.dynamics())
     return false;
-  at_.contactTerms(all.data());
+  at_.contactTerms(takesPart_.data());
   rows_.assemble(at_, problem_.delassus, problem_);
   at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());
   rows_.bias(at_, at_.acceleration.data(), problem_.bias);
@@ -198,7 +229,9 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
   const tf_model &model = at_.model();
   const double remaining = end.time;
   point.time = time + remaining;
-  point.contacts = end.contacts;
+  point.contacts.clear();
+  for (const int row : end.contacts)
+    point.contacts.push_back(rows_.contacts()[row]);
   point.sticking.clear();
   // A slip along its direction ends with both components; of a pair that sticks both rows must.
   for (const int j : end.sticking) {
@@ -210,7 +243,9 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
     if (partner >= 0)
       point.sticking.push_back(rows_.tangents()[partner]);
   }
-  point.impulse.assign(end.frozenImpulse.begin(), end.frozenImpulse.begin() + model.nc);
+  point.impulse.assign(model.nc, 0.0);
+  for (int k = 0; k < rows_.normalCount(); ++k)
+    point.impulse[rows_.contacts()[k]] = end.frozenImpulse[k];
   measureWork(end, state + model.nq, point);
   point.state.assign(state, state + dynamics_.size());
   std::fill(change_.begin(), change_.end(), 0.0);
@@ -230,8 +265,19 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
   return std::all_of(point.state.begin(), point.state.end(), [](double y) { return std::isfinite(y); });
 }
 
-// The point of rest with the coefficients of this instant, evaluated with the velocities that are left at the end.
 bool RestPrediction::predict(double time, const double *state, Prediction &prediction) {
+  if (isDisplaced_)
+    return predictWithChosen(time, state, prediction);
+  chooseContacts(time, state);
+  do {
+    if (!predictWithChosen(time, state, prediction))
+      return false;
+  } while (addReachable(time, state, prediction.point));
+  return true;
+}
+
+// The point of rest with the coefficients of this instant, evaluated with the velocities that are left at the end.
+bool RestPrediction::predictWithChosen(double time, const double *state, Prediction &prediction) {
   const tf_model &model = at_.model();
   std::vector<double> coefficients(state, state + dynamics_.size());
   chooseRows(time, state);

@@ -57,14 +57,17 @@ private:
 
   void forget();
   bool recordImpact(double time, const double *before);
+  void chooseContacts(double time, const double *state);
+  bool addReachable(double time, const double *state, const RestPoint &end);
   void chooseRows(double time, const double *state);
   void choosePair(int j);
-  void classify(const double *state, const std::vector<int> &tangents);
+  void classify(const double *state);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);
   void measureWork(const AccumulationPoint &end, const double *velocities, RestPoint &point) const;
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
   bool predict(double time, const double *state, Prediction &prediction);
+  bool predictWithChosen(double time, const double *state, Prediction &prediction);
   bool differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction);
   void add(Prediction prediction);
   bool extrapolate(double tolerance, const double *scale);
@@ -79,8 +82,9 @@ private:
   RowSystem rows_;
   SequenceProblem problem_;
   ImpactSequence sequence_;
-  std::vector<std::uint8_t> touches_, stands_;  // contacts with gap 0; contacts, then tangential rows, with velocity 0
-  bool isDisplaced_ = false;                    // near the point that they were found at: they are kept
+  std::vector<std::uint8_t> takesPart_;         // nc + nf
+  std::vector<std::uint8_t> touches_, stands_;  // rows with gap 0; normal, then tangential rows, with velocity 0
+  bool isDisplaced_ = false;                    // near the point that these were found at: they are kept
   std::vector<Prediction> predictions_;         // the latest last, T falling
   std::size_t extrapolatedFrom_ = 0;            // how many predictions the best extrapolation takes
   RestPoint point_;                             // extrapolated
