@@ -1,5 +1,7 @@
 #include "runtime/contact/least_norm.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -11,13 +13,6 @@ namespace {
 
 // A constraint depends on the active ones where its part outside their span is shorter, relative to unit length.
 constexpr double dependence = 1e-10;
-
-double dot(const double *a, const double *b, int n) {
-  double sum = 0;
-  for (int i = 0; i < n; ++i)
-    sum += a[i] * b[i];
-  return sum;
-}
 
 }  // namespace
 
@@ -38,22 +33,36 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
   multipliers_.reserve(variables + 1);
 }
 
-double LeastNorm::slack(int constraint) const { return dot(normals_.column(constraint), x_.data(), variables_) - bounds_[constraint]; }
+double LeastNorm::slack(int constraint) const { return denseDot(normals_.column(constraint), x_.data(), variables_) - bounds_[constraint]; }
 
 void LeastNorm::clearActive() {
   active_.clear();
   multipliers_.clear();
+  isReflected_ = false;
   for (int j = 0; j < variables_; ++j) {
     std::fill_n(basis_.column(j), variables_, 0.0);
     basis_(j, j) = 1;
   }
 }
 
+void LeastNorm::formBasis() {
+  if (!isReflected_)
+    return;
+  isReflected_ = false;
+  const int q = static_cast<int>(active_.size());
+  for (int j = 0; j < variables_; ++j) {
+    std::fill_n(basis_.column(j), variables_, 0.0);
+    basis_(j, j) = 1;
+    applyReflections(reflections_.data(), variables_, q, half_.data(), basis_.column(j));
+  }
+}
+
 double LeastNorm::project(const double *normal) {
+  formBasis();
   const int q = static_cast<int>(active_.size());
   double squares = 0;
   for (int j = 0; j < variables_; ++j) {
-    d_[j] = dot(basis_.column(j), normal, variables_);
+    d_[j] = denseDot(basis_.column(j), normal, variables_);
     if (j >= q)
       squares += d_[j] * d_[j];
   }
@@ -62,11 +71,12 @@ double LeastNorm::project(const double *normal) {
 
 void LeastNorm::dualDirection() {
   const int q = static_cast<int>(active_.size());
-  for (int i = q - 1; i >= 0; --i) {
-    double value = d_[i];
-    for (int j = i + 1; j < q; ++j)
-      value -= triangle_(i, j) * r_[j];
-    r_[i] = value / triangle_(i, i);
+  std::copy_n(d_.begin(), q, r_.begin());
+  for (int j = q - 1; j >= 0; --j) {
+    const double *column = triangle_.column(j);
+    r_[j] /= column[j];
+    for (int i = 0; i < j; ++i)
+      r_[i] -= column[i] * r_[j];
   }
 }
 
@@ -97,6 +107,7 @@ void LeastNorm::append(int constraint, double multiplier, double length) {
 }
 
 void LeastNorm::removeAt(int k) {
+  formBasis();
   const int q = static_cast<int>(active_.size());
   for (int j = k + 1; j < q; ++j)
     std::copy_n(triangle_.column(j), j + 1, triangle_.column(j - 1));
@@ -213,36 +224,48 @@ LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {
 bool LeastNorm::solveActive() {
   // Kept order: the pivots are the same functions of the data as long as the active set is.
   const int q = static_cast<int>(active_.size());
-  order_.assign(active_.begin(), active_.end());
-  clearActive();
+  reflections_.resize(static_cast<std::size_t>(variables_) * q);
+  half_.resize(q);
+  for (int k = 0; k < q; ++k)
+    std::copy_n(normals_.column(active_[k]), variables_, reflections_.data() + static_cast<std::ptrdiff_t>(k) * variables_);
+  if (reflectColumns(reflections_.data(), variables_, q, dependence * 1e-3, z_.data(), half_.data()) < q)
+    return false;
+  isReflected_ = true;
   for (int k = 0; k < q; ++k) {
-    const double length = project(normals_.column(order_[k]));
-    if (!(length > dependence * 1e-3)) {
-      active_.assign(order_.begin(), order_.end());
-      return false;
-    }
-    append(order_[k], 0.0, length);
+    std::copy_n(reflections_.data() + static_cast<std::ptrdiff_t>(k) * variables_, k, triangle_.column(k));
+    triangle_(k, k) = z_[k];
   }
   for (int k = 0; k < q; ++k)
-    z_[k] = bounds_[active_[k]] - dot(normals_.column(active_[k]), origin_.data(), variables_);
+    z_[k] = bounds_[active_[k]] - denseDot(normals_.column(active_[k]), origin_.data(), variables_);
   solveTransposed(z_.data());
-  x_ = origin_;
-  for (int j = 0; j < q; ++j)
-    for (int i = 0; i < variables_; ++i)
-      x_[i] += basis_(i, j) * d_[j];
+  fromActive(x_.data());
+  for (int i = 0; i < variables_; ++i)
+    x_[i] += origin_[i];
+  multipliers_.resize(q);
   dualDirection();
   std::copy_n(r_.begin(), q, multipliers_.begin());
   return true;
+}
+
+// point = J₁ d₁
+void LeastNorm::fromActive(double *point) const {
+  const int q = static_cast<int>(active_.size());
+  std::fill_n(point, variables_, 0.0);
+  if (isReflected_) {
+    std::copy_n(d_.begin(), q, point);
+    applyReflections(reflections_.data(), variables_, q, half_.data(), point);
+    return;
+  }
+  for (int j = 0; j < q; ++j)
+    for (int i = 0; i < variables_; ++i)
+      point[i] += basis_(i, j) * d_[j];
 }
 
 // d₁ = R⁻ᵀ c: x = x₀ + J₁ d₁ has Nᵀ(x − x₀) = c, and its multipliers are R⁻¹ d₁.
 void LeastNorm::solveTransposed(const double *c) {
   const int q = static_cast<int>(active_.size());
   for (int i = 0; i < q; ++i) {
-    double value = c[i];
-    for (int j = 0; j < i; ++j)
-      value -= triangle_(j, i) * d_[j];
-    d_[i] = value / triangle_(i, i);
+    d_[i] = (c[i] - denseDot(triangle_.column(i), d_.data(), i)) / triangle_(i, i);
   }
 }
 
@@ -251,10 +274,7 @@ void LeastNorm::pointOf(const double *bounds, double *point) {
   for (int k = 0; k < q; ++k)
     z_[k] = bounds[active_[k]];
   solveTransposed(z_.data());
-  std::fill_n(point, variables_, 0.0);
-  for (int j = 0; j < q; ++j)
-    for (int i = 0; i < variables_; ++i)
-      point[i] += basis_(i, j) * d_[j];
+  fromActive(point);
 }
 
 LeastNorm::Status LeastNorm::activate(int constraint) {

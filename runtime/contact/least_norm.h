@@ -44,11 +44,13 @@ public:
 
 private:
   void clearActive();
+  void formBasis();
   double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖
   void append(int constraint, double multiplier, double length);
   void removeAt(int k);
   void dualDirection();  // r = R⁻¹ d₁
   void solveTransposed(const double *c);
+  void fromActive(double *point) const;
   int blocking(double &step) const;
   Status addEquation(int constraint, double tolerance);
   Status addInequality(int constraint, double tolerance);
@@ -56,6 +58,8 @@ private:
   int variables_ = 0, equations_ = 0, constraints_ = 0;
   DenseMatrix normals_, basis_, triangle_;  // J = (J₁ J₂) orthogonal, N = J₁ R
   std::vector<double> bounds_, origin_, x_, d_, r_, z_, multipliers_;
+  std::vector<double> reflections_, half_;  // of the last solveActive: J = H_0 H_1 … (dense_kernels.h), J itself is made where it is needed
+  bool isReflected_ = false;
   std::vector<int> active_, order_;
   bool dependent_ = false;
 };

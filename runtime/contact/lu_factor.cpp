@@ -1,5 +1,7 @@
 #include "runtime/contact/lu_factor.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -46,6 +48,10 @@ bool LuFactor::factor(double singular) {
     const double inverse = 1 / columnK[k];
     for (int i = k + 1; i < n; ++i)
       columnK[i] *= inverse;
+    if (n >= 16) {
+      eliminateColumns(lu_.data(), n, k);
+      continue;
+    }
     for (int j = k + 1; j < n; ++j) {
       double *columnJ = lu_.column(j);
       const double factor = columnJ[k];

@@ -1,5 +1,6 @@
 #include "runtime/integrate/mass_matrix.h"
 
+#include "runtime/contact/dense_kernels.h"
 #include "runtime/integrate/dot.h"
 
 #include <Eigen/OrderingMethods>
@@ -13,8 +14,9 @@ namespace tf::runtime {
 
 namespace {
 
-// Blocks up to this size have code of their own; their rows of L lie densely, one after the other.
-constexpr int fixedSize = 6;
+// Larger blocks with more than this part of all entries in their envelope are full.
+constexpr int smallestFull = 12;
+constexpr double full = 0.6;
 // A pivot that has lost all but rounding errors of its diagonal entry is singular.
 constexpr double singular = 1e-14;
 
@@ -32,8 +34,7 @@ template <class Function> auto withSize(int size, Function f) {
   case 5:
     return f(std::integral_constant<int, 5>{});
   default:
-    static_assert(fixedSize == 6);
-    return f(std::integral_constant<int, fixedSize>{});
+    return f(std::integral_constant<int, 6>{});
   }
 }
 
@@ -172,9 +173,17 @@ void MassMatrix::addBlock(const Pattern &pattern, std::vector<int> rows) {
     else if (least < own)
       rows = std::move(degree);
   }
-  const std::vector<int> first = pattern.envelope(rows);
+  std::vector<int> first = pattern.envelope(rows);
+  double entries = 0;
+  for (int k = 0; k < n; ++k)
+    entries += k - first[k];
+  const bool isFull = n >= smallestFull && entries > full * 0.5 * n * (n - 1);
+  if (isFull)
+    std::fill(first.begin(), first.end(), 0);
+  strides_.push_back(isFull ? paddedToLanes(n) : 0);
+  unscaled_.resize(std::max(unscaled_.size(), std::size_t{4} * strides_.back()));
   for (int k = 0; k < n; ++k) {
-    const auto width = n > fixedSize ? static_cast<std::ptrdiff_t>(k - first[k]) : n;
+    const auto width = isFull ? strides_.back() : n > fixedSize ? static_cast<std::ptrdiff_t>(k - first[k]) : n;
     first_.push_back(begin + first[k]);
     start_.push_back(static_cast<std::ptrdiff_t>(factor_.size()) - (n > fixedSize ? begin + first[k] : begin));
     factor_.resize(factor_.size() + static_cast<std::size_t>(width));
@@ -208,11 +217,27 @@ bool MassMatrix::factoriseEnvelope(const Block &block, const double *mass) {
   return true;
 }
 
+bool MassMatrix::factoriseFull(std::size_t number, const double *mass) {
+  const Block &block = blocks_[number];
+  for (int i = block.begin; i < block.end; ++i) {
+    double *row = rowOf(i);
+    const double *source = mass + static_cast<std::ptrdiff_t>(rows_[i]) * size_;
+    for (int j = block.begin; j <= i; ++j)
+      row[j] = source[rows_[j]];
+  }
+  const int failed = factoriseDense(rowOf(block.begin) + block.begin, block.end - block.begin, strides_[number], singular,
+                                    inverse_.data() + block.begin, unscaled_.data());
+  if (failed >= 0)
+    failedRow_ = rows_[block.begin + failed];
+  return failed < 0;
+}
+
 bool MassMatrix::factorise(const double *mass) {
-  for (const Block &block : blocks_) {
+  for (std::size_t number = 0; number < blocks_.size(); ++number) {
+    const Block &block = blocks_[number];
     const int n = block.end - block.begin;
     if (n > fixedSize) {
-      if (!factoriseEnvelope(block, mass))
+      if (!(strides_[number] > 0 ? factoriseFull(number, mass) : factoriseEnvelope(block, mass)))
         return false;
       continue;
     }
@@ -256,6 +281,11 @@ void MassMatrix::backwardEnvelope(const Block &block, double *x) const {
     for (int k = first_[i]; k < i; ++k)
       x[k] -= row[k] * x[i];
   }
+}
+
+void MassMatrix::forwardPanel(int number, int stride, double *panel) const {
+  const Block &block = blocks_[number];
+  tf::runtime::forwardPanel(factor_.data(), start_.data(), first_.data(), block.begin, block.end, stride, panel);
 }
 
 void MassMatrix::solve(const double *b, double *x) const {

@@ -1,5 +1,7 @@
 #include "runtime/integrate/row_system.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <algorithm>
 #include <cassert>
 
@@ -28,8 +30,9 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   contacts_ = contacts;
   tangents_ = tangents;
   nv_ = model.nv;
-  jacobian_.assign(static_cast<std::size_t>(count()) * nv_, 0.0);
-  half_ = scaled_ = jacobian_;
+  jacobian_.resize(static_cast<std::size_t>(count()) * nv_);
+  half_.resize(jacobian_.size());
+  scaled_.resize(jacobian_.size());
   mobility_ = nullptr;  // until the rows are assembled: those of before are no more
   sum_.resize(nv_);
   begin_.assign(count(), 0);
@@ -97,7 +100,7 @@ void RowSystem::halve(int i) {
   for (int k = begin_[i]; k < end_[i] && !everywhere; ++k) {
     const int block = mass.blockOf(k);
     if (row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
-      parts_[block].push_back({i, mass.forward(block, row, half, scaled)});
+      parts_[block].push_back({i, mass.isLarge(block) ? mass.blocks()[block].begin : mass.forward(block, row, half, scaled)});
   }
   for (int block = 0; block < blocks && everywhere; ++block) {
     mass.forward(block, row, half, scaled);
@@ -107,13 +110,51 @@ void RowSystem::halve(int i) {
     mobility_->constrain(row, half, scaled);
 }
 
-void RowSystem::multiply(DenseMatrix &delassus) const {
+void RowSystem::halvePanel(int block) {
+  const MassMatrix &mass = mobility_->mass();
+  const MassMatrix::Block &places = mass.blocks()[block];
+  const std::vector<Part> &parts = parts_[block];
+  Panel &panel = panels_[block];
+  panel.stride = paddedToLanes(static_cast<int>(parts.size()));
+  panel.half.assign(static_cast<std::size_t>(places.end - places.begin) * panel.stride, 0.0);
+  panel.scaled.resize(panel.half.size());
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    const double *row = jacobian(parts[a].row);
+    for (int place = places.begin; place < places.end; ++place)
+      panel.half[(place - places.begin) * panel.stride + a] = row[mass.rowAt(place)];
+  }
+  mass.forwardPanel(block, panel.stride, panel.half.data());
+  for (int place = places.begin; place < places.end; ++place) {
+    const double inverse = mass.inverseAt(place);
+    const double *half = panel.half.data() + static_cast<std::ptrdiff_t>(place - places.begin) * panel.stride;
+    double *scaled = panel.scaled.data() + (half - panel.half.data());
+    for (int a = 0; a < panel.stride; ++a)
+      scaled[a] = half[a] * inverse;
+  }
+}
+
+void RowSystem::multiplyPanel(int block, DenseMatrix &delassus) {
+  const MassMatrix::Block &places = mobility_->mass().blocks()[block];
+  const std::vector<Part> &parts = parts_[block];
+  const Panel &panel = panels_[block];
+  product_.resize(static_cast<std::size_t>(panel.stride) * panel.stride);
+  multiplyPanels(panel.half.data(), panel.scaled.data(), places.end - places.begin, panel.stride, product_.data());
+  for (std::size_t a = 0; a < parts.size(); ++a)
+    for (std::size_t b = 0; b <= a; ++b)
+      delassus(parts[a].row, parts[b].row) += product_[a * panel.stride + b];
+}
+
+void RowSystem::multiply(DenseMatrix &delassus) {
   const int m = count();
   for (int j = 0; j < m; ++j)
     std::fill_n(delassus.column(j), m, 0.0);
   for (std::size_t block = 0; block < parts_.size(); ++block) {
     const int end = mobility_->mass().blocks()[block].end;
     const std::vector<Part> &parts = parts_[block];
+    if (isPanel(static_cast<int>(block))) {
+      multiplyPanel(static_cast<int>(block), delassus);
+      continue;
+    }
     for (std::size_t a = 0; a < parts.size(); ++a)
       for (std::size_t b = 0; b <= a; ++b) {
         const int first = std::max(parts[a].first, parts[b].first);
@@ -132,8 +173,12 @@ void RowSystem::respond(const ModelEvaluation &at, DenseMatrix &delassus) {
   parts_.resize(mobility_->mass().blocks().size());
   for (std::vector<Part> &parts : parts_)
     parts.clear();
+  panels_.resize(parts_.size());
   for (int i = 0; i < count(); ++i)
     halve(i);
+  for (int block = 0; block < static_cast<int>(parts_.size()); ++block)
+    if (isPanel(block) && !parts_[block].empty())
+      halvePanel(block);
   multiply(delassus);
 }
 
@@ -163,6 +208,23 @@ void RowSystem::bias(const ModelEvaluation &at, const double *freeAcceleration, 
     bias[i] = product(i, freeAcceleration) + modelBias(at, i);
 }
 
+// Δ⁻¹ Z of one block times the forces into sum_; false where they are zero.
+bool RowSystem::addPanel(int block, const double *forces) const {
+  const MassMatrix::Block &places = mobility_->mass().blocks()[block];
+  const std::vector<Part> &parts = parts_[block];
+  bool any = false;
+  panelForce_.resize(parts.size());
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    panelForce_[a] = forces[parts[a].row];
+    any = any || panelForce_[a] != 0;
+  }
+  const Panel &panel = panels_[block];
+  for (int place = places.begin; any && place < places.end; ++place)
+    sum_[place] = denseDot(panel.scaled.data() + static_cast<std::ptrdiff_t>(place - places.begin) * panel.stride, panelForce_.data(),
+                           static_cast<int>(parts.size()));
+  return any;
+}
+
 void RowSystem::accelerate(const double *forces, double *acceleration) const {
   if (mobility_ == nullptr)
     return;
@@ -170,6 +232,10 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
   bool any = false;
   for (std::size_t block = 0; block < parts_.size(); ++block) {
     const int end = mobility_->mass().blocks()[block].end;
+    if (isPanel(static_cast<int>(block))) {
+      any = addPanel(static_cast<int>(block), forces) || any;
+      continue;
+    }
     for (const Part &part : parts_[block]) {
       const double force = forces[part.row];
       if (force == 0)

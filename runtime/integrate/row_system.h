@@ -77,8 +77,18 @@ private:
     int first = 0;  // place before which it is zero
   };
 
+  // The parts of rows on one large block: places × rows, padded (dense_kernels.h).
+  struct Panel {
+    int stride = 0;
+    std::vector<double> half, scaled;
+  };
+
   void halve(int i);
-  void multiply(DenseMatrix &delassus) const;
+  [[nodiscard]] bool isPanel(int block) const { return !mobility_->isConstrained() && mobility_->mass().isLarge(block); }
+  void halvePanel(int block);
+  void multiply(DenseMatrix &delassus);
+  void multiplyPanel(int block, DenseMatrix &delassus);
+  bool addPanel(int block, const double *forces) const;
 
   int nv_ = 0;
   const Mobility *mobility_ = nullptr;
@@ -86,7 +96,10 @@ private:
   std::vector<double> half_, scaled_;     // Zᵀ and Zᵀ Δ⁻¹, alike; undefined on blocks that the row does not move
   std::vector<std::vector<Part>> parts_;  // of blocks, rows ascending
   std::vector<int> begin_, end_;          // columns of J's rows outside which all is zero
-  mutable std::vector<double> sum_;       // workspaces: nv
+  std::vector<Panel> panels_;             // of blocks
+  std::vector<double> product_;           // of panels
+  mutable std::vector<double> panelForce_;
+  mutable std::vector<double> sum_;  // workspaces: nv
 };
 
 // Tangential row of the model that the slip with two components begins with which `row` belongs to; −1 for a slip of one component.

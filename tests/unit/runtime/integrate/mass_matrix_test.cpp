@@ -39,6 +39,29 @@ TEST(MassMatrix, SolvesDenseSystems) {
   }
 }
 
+// Of large blocks, for many right sides together as for one.
+TEST(MassMatrix, FirstHalvesOfManyRowsAreThoseOfEachRow) {
+  for (const int n : {8, 13, 30}) {
+    const Eigen::MatrixXd root = Eigen::MatrixXd::Random(n, n);
+    const Eigen::MatrixXd mass = root * root.transpose() + Eigen::MatrixXd::Identity(n, n);
+    MassMatrix factor(n);
+    ASSERT_TRUE(factor.factorise(mass.data()));
+    ASSERT_TRUE(factor.isLarge(0));
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    const Eigen::MatrixXd rows = Eigen::MatrixXd::Random(n, 8);
+    RowMajor panel(n, 8);
+    for (int place = 0; place < n; ++place)
+      panel.row(place) = rows.row(factor.rowAt(place));
+    factor.forwardPanel(0, 8, panel.data());
+    for (int c = 0; c < 8; ++c) {
+      Eigen::VectorXd half(n), scaled(n);
+      factor.forward(0, rows.col(c).data(), half.data(), scaled.data());
+      EXPECT_LT((panel.col(c) - half).norm(), 1e-12 * n);
+      EXPECT_EQ(scaled[n - 1], half[n - 1] * factor.inverseAt(n - 1));
+    }
+  }
+}
+
 TEST(MassMatrix, SolvesDiagonalSystems) {
   const double mass[] = {2, 0, 0, 4};
   const double right[] = {1, 1};

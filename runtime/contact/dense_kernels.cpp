@@ -1,0 +1,189 @@
+#include "runtime/contact/dense_kernels.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+// Code for wider registers beside that of the base architecture. Sanitizers cannot run in the functions that choose.
+#if defined(__x86_64__) && defined(__ELF__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+#define TF_WIDE __attribute__((target_clones("default", "avx2", "avx512f")))
+#else
+#define TF_WIDE
+#endif
+
+namespace tf::runtime {
+
+namespace {
+
+using Lanes = double __attribute__((vector_size(panelLanes * sizeof(double))));
+
+// By reference: the convention for vectors as arguments depends on the processor.
+__attribute__((always_inline)) inline void load(Lanes &lanes, const double *from) { std::memcpy(&lanes, from, sizeof lanes); }
+__attribute__((always_inline)) inline void store(const Lanes &lanes, double *to) { std::memcpy(to, &lanes, sizeof lanes); }
+
+__attribute__((always_inline)) inline double sumOf(const Lanes &l) {
+  return ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
+}
+
+__attribute__((always_inline)) inline double dotOf(const double *a, const double *b, int count) {
+  Lanes sum{};
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    Lanes x, y;
+    load(x, a + k);
+    load(y, b + k);
+    sum += x * y;
+  }
+  double rest = 0;
+  for (; k < count; ++k)
+    rest += a[k] * b[k];
+  return sumOf(sum) + rest;
+}
+
+// y += factor x
+__attribute__((always_inline)) inline void addOf(double factor, const double *x, double *y, int count) {
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    Lanes a, b;
+    load(a, x + k);
+    load(b, y + k);
+    b += factor * a;
+    store(b, y + k);
+  }
+  for (; k < count; ++k)
+    y[k] += factor * x[k];
+}
+
+}  // namespace
+
+TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
+
+TF_WIDE int reflectColumns(double *matrix, int rows, int columns, double dependence, double *diagonal, double *half) {
+  for (int j = 0; j < columns; ++j) {
+    double *v = matrix + static_cast<std::ptrdiff_t>(j) * rows + j;
+    const int count = rows - j;
+    const double length = std::sqrt(dotOf(v, v, count));
+    if (!(length > dependence))
+      return j;
+    diagonal[j] = v[0] > 0 ? -length : length;
+    half[j] = length * (length + std::abs(v[0]));
+    v[0] -= diagonal[j];
+    for (int c = j + 1; c < columns; ++c) {
+      double *x = matrix + static_cast<std::ptrdiff_t>(c) * rows + j;
+      addOf(-dotOf(v, x, count) / half[j], v, x, count);
+    }
+  }
+  return columns;
+}
+
+TF_WIDE void applyReflections(const double *matrix, int rows, int columns, const double *half, double *x) {
+  for (int j = columns - 1; j >= 0; --j) {
+    const double *v = matrix + static_cast<std::ptrdiff_t>(j) * rows + j;
+    addOf(-dotOf(v, x + j, rows - j) / half[j], v, x + j, rows - j);
+  }
+}
+
+TF_WIDE void multiplyPanels(const double *z, const double *s, int depth, int stride, double *product) {
+  constexpr int height = 4;
+  for (int i = 0; i < stride; i += height)
+    for (int j = 0; j < i + height; j += panelLanes) {
+      Lanes sum0{}, sum1{}, sum2{}, sum3{};
+      for (int k = 0; k < depth; ++k) {
+        const double *left = z + static_cast<std::ptrdiff_t>(k) * stride + i;
+        Lanes right;
+        load(right, s + static_cast<std::ptrdiff_t>(k) * stride + j);
+        sum0 += left[0] * right;
+        sum1 += left[1] * right;
+        sum2 += left[2] * right;
+        sum3 += left[3] * right;
+      }
+      double *out = product + static_cast<std::ptrdiff_t>(i) * stride + j;
+      store(sum0, out);
+      store(sum1, out + stride);
+      store(sum2, out + 2 * static_cast<std::ptrdiff_t>(stride));
+      store(sum3, out + 3 * static_cast<std::ptrdiff_t>(stride));
+    }
+}
+
+TF_WIDE void forwardPanel(const double *factor, const std::ptrdiff_t *start, const int *first, int begin, int end, int stride, double *z) {
+  for (int j = 0; j < stride; j += panelLanes)
+    for (int i = begin + 1; i < end; ++i) {
+      const double *row = factor + start[i];
+      const auto rowOf = [=](int k) __attribute__((always_inline)) { return z + static_cast<std::ptrdiff_t>(k - begin) * stride + j; };
+      double *own = rowOf(i);
+      // Two sums: the latency of one would be waited for.
+      Lanes even{}, odd{}, x, y;
+      int k = first[i];
+      for (; k + 2 <= i; k += 2) {
+        load(x, rowOf(k));
+        load(y, rowOf(k + 1));
+        even += row[k] * x;
+        odd += row[k + 1] * y;
+      }
+      if (k < i) {
+        load(x, rowOf(k));
+        even += row[k] * x;
+      }
+      load(x, own);
+      x -= even + odd;
+      store(x, own);
+    }
+}
+
+// Four columns at a time: the rest of the matrix is read and written once for them.
+TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular, double *inverse, double *work) {
+  constexpr int width = 4;
+  const auto row = [matrix, stride](int i) __attribute__((always_inline)) { return matrix + static_cast<std::ptrdiff_t>(i) * stride; };
+  for (int i = 0; i < size; ++i)
+    inverse[i] = std::abs(row(i)[i]);
+  for (int begin = 0; begin < size; begin += width) {
+    const int end = std::min(begin + width, size);
+    for (int k = begin; k < end; ++k) {
+      const double pivot = row(k)[k];
+      if (!(pivot > singular * inverse[k]))
+        return k;
+      inverse[k] = 1 / pivot;
+      double *unscaled = work + static_cast<std::ptrdiff_t>(k - begin) * stride;
+      for (int i = k + 1; i < size; ++i) {
+        unscaled[i] = row(i)[k];
+        const double scaled = unscaled[i] * inverse[k];
+        row(i)[k] = scaled;
+        for (int j = k + 1; j < std::min(end, i + 1); ++j)
+          row(i)[j] -= scaled * unscaled[j];
+      }
+    }
+    if (end < begin + width)
+      break;
+    for (int i = end; i < size; ++i) {
+      double *target = row(i);
+      const double *factor = target + begin;
+      const double a = factor[0], b = factor[1], c = factor[2], d = factor[3];
+      int j = end;
+      for (; j <= i && j % panelLanes != 0; ++j)
+        target[j] -= (a * work[j] + b * work[stride + j]) + (c * work[2 * stride + j] + d * work[3 * stride + j]);
+      for (; j <= i; j += panelLanes) {
+        Lanes own, w0, w1, w2, w3;
+        load(own, target + j);
+        load(w0, work + j);
+        load(w1, work + stride + j);
+        load(w2, work + 2 * static_cast<std::ptrdiff_t>(stride) + j);
+        load(w3, work + 3 * static_cast<std::ptrdiff_t>(stride) + j);
+        own -= (a * w0 + b * w1) + (c * w2 + d * w3);
+        store(own, target + j);
+      }
+    }
+  }
+  return -1;
+}
+
+TF_WIDE void eliminateColumns(double *matrix, int size, int k) {
+  const double *pivots = matrix + static_cast<std::ptrdiff_t>(k) * size;
+  for (int j = k + 1; j < size; ++j) {
+    double *column = matrix + static_cast<std::ptrdiff_t>(j) * size;
+    if (column[k] != 0)
+      addOf(-column[k], pivots + k + 1, column + k + 1, size - k - 1);
+  }
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,42 @@
+// Kernels of dense linear algebra for tens to hundreds of rows. Every sum has a fixed order: the code for wider vector registers, which the
+// loader picks where the processor has them, gives the same bits.
+#ifndef TF_RUNTIME_CONTACT_DENSE_KERNELS_H
+#define TF_RUNTIME_CONTACT_DENSE_KERNELS_H
+
+#include <cstddef>
+
+namespace tf::runtime {
+
+// Rows of panels begin at multiples of this number of entries.
+constexpr int panelLanes = 8;
+
+[[nodiscard]] constexpr int paddedToLanes(int count) { return (count + panelLanes - 1) / panelLanes * panelLanes; }
+
+// Σ a_k b_k
+[[nodiscard]] double denseDot(const double *a, const double *b, int count);
+
+// Householder's QR decomposition of a rows × columns matrix, rows ≥ columns, column-major: R above the diagonal and in `diagonal`
+// [columns]; column j from row j on is v_j of the reflection I − v_j v_jᵀ / `half`_j, half_j = ‖v_j‖²/2 [columns] (0: none).
+// Returns the number of the first column whose part outside the span of those before is not longer than `dependence`, or `columns`.
+int reflectColumns(double *matrix, int rows, int columns, double dependence, double *diagonal, double *half);
+// x [rows] ← H_0 … H_{columns−1} x
+void applyReflections(const double *matrix, int rows, int columns, const double *half, double *x);
+
+// Panels: `depth` rows of `stride` entries, a multiple of panelLanes. D = Zᵀ S, symmetric; `product` stride × stride, of which entries
+// (i, j) with j ≤ i are right.
+void multiplyPanels(const double *z, const double *s, int depth, int stride, double *product);
+// Rows i of Z, begin ≤ i < end, less Σ L_ik row k, first[i] ≤ k < i, one after the other; L_ik at factor + start[i] + k. Z begins with row
+// `begin`.
+void forwardPanel(const double *factor, const std::ptrdiff_t *start, const int *first, int begin, int end, int stride, double *z);
+
+// M = L Δ Lᵀ of the lower triangle of a size × size matrix with rows `stride` (a multiple of panelLanes) apart: L below the diagonal, 1/Δ
+// in `inverse`, what is right of the diagonal is overwritten. `work`: 4 × stride. Returns the first row whose pivot is not above `singular`
+// times its diagonal entry, or −1.
+int factoriseDense(double *matrix, int size, int stride, double singular, double *inverse, double *work);
+
+// column_j −= column_k a_kj from row k + 1 on, for all columns j > k of a size × size matrix, column-major.
+void eliminateColumns(double *matrix, int size, int k);
+
+}  // namespace tf::runtime
+
+#endif
