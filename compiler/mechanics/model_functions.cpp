@@ -204,20 +204,22 @@ ir::Function ModelFunctions::dynamics() {
 }
 
 ir::Function ModelFunctions::switching() {
-  std::vector<NodeId> gaps, rates, slips, conditions;
-  for (const Contact &contact : system_.contacts) {
-    gaps.push_back(contact.gap);
-    rates.push_back(contact.gapRate);
+  const int slips = contacts_, conditions = contacts_ + contacts_ + frictions_;
+  FunctionBuilder builder("switching", conditions + 1);
+  const int gap = builder.emptyBuffer(contacts_), rate = builder.emptyBuffer(contacts_), slip = builder.emptyBuffer(tangents_);
+  for (int k = 0; k < contacts_; ++k) {
+    const Contact &contact = system_.contacts[static_cast<std::size_t>(k)];
+    builder.store(gap, k, contact.gap, k);
+    builder.store(rate, k, contact.gapRate, k);
   }
-  for (const TangentRow &row : system_.tangents)
-    slips.push_back(row.slip);
+  for (int k = 0; k < tangents_; ++k) {
+    const auto row = static_cast<std::size_t>(k);
+    builder.store(slip, k, system_.tangents[row].slip, slips + rowGroup_[row]);
+  }
+  std::vector<NodeId> nodes;
   for (const SwitchingFunction &switching : system_.switches)
-    conditions.push_back(switching.condition);
-  FunctionBuilder builder("switching", 3);
-  builder.buffer(gaps, 0);
-  builder.buffer(rates, 0);
-  builder.buffer(slips, 1);
-  builder.buffer(conditions, 2);
+    nodes.push_back(switching.condition);
+  builder.buffer(nodes, conditions);
   return builder.take();
 }
 

@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 4u
+#define TF_ABI_VERSION 5u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -198,8 +198,8 @@ typedef struct tf_model {
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 M [nv x nv] symmetric, both halves; 1 f [nv], all forces but those of contacts, frictions and
      constraints, less the bias terms of M v'; 2 z' [nz]. */
   tf_function dynamics;
-  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 gap [nc], 1 its rate [nc] = Jn v + d gap/dt, 2 slip [nt], 3 c [ns]. Masked by blocks:
-     mask[0] gaps and rates, mask[1] slips, mask[2] c. */
+  /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 gap [nc], 1 its rate [nc] = Jn v + d gap/dt, 2 slip [nt], 3 c [ns]. mask:
+     2 nc + nf + 1 bytes, gap and rate of each contact, slips of each contact, slip of each friction element, all c. */
   tf_function switching;
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 Jn [nc x nv], 1 normal bias [nc]: gap'' = Jn v' + bias, 2 Jt [nt x nv], 3 tangential bias [nt]:
      slip' = Jt v' + bias (without du/dt terms: slips do not depend on inputs), 4 friction coefficient mu [nc], 5 bound [nt] of friction

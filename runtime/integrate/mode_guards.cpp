@@ -59,7 +59,7 @@ double ModeDynamics::readGuard(const Guard &guard) const {
 double ModeDynamics::guardValue(int guard) {
   const Guard &g = guards_[guard];
   if (g.kind == GuardKind::Gap)
-    at_.switching(ModelEvaluation::Gaps);
+    at_.switchingOf(g.index);
   else if (g.kind == GuardKind::Slip || g.kind == GuardKind::SlipAlong)
     at_.switching(ModelEvaluation::Slips);
   else if (g.kind == GuardKind::Condition)

@@ -19,7 +19,8 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
       residualRate(array(model.nh)), constraintJacobian(array(model.nh, model.nv)), constraintBias(array(model.nh)), rate(array(model.nc)),
       restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)), stateRateByStep(array(model.nz, model.ns)),
       input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)), acceleration(array(model.nv)),
-      normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs) {
+      normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs),
+      switchingMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1) {
   const int nx = columns();
   conditionGradient = array(model.ns, nx);
   residualByState = array(model.nv, nx);
@@ -99,11 +100,42 @@ void ModelEvaluation::forces() {
   model_->dynamics(in_, out, nullptr);
 }
 
+// The mask of all contacts and friction elements stays as it is until other parts are asked for.
 void ModelEvaluation::switching(int parts) {
-  const std::uint8_t mask[] = {static_cast<std::uint8_t>(parts & Gaps), static_cast<std::uint8_t>(parts & Slips),
-                               static_cast<std::uint8_t>(parts & Conditions)};
+  if (switchingParts_ != parts) {
+    const int nc = model_->nc;
+    std::fill_n(switchingMask_.begin(), nc, static_cast<std::uint8_t>((parts & Gaps) != 0));
+    std::fill_n(switchingMask_.begin() + nc, nc + model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
+    switchingMask_.back() = (parts & Conditions) != 0;
+    switchingParts_ = parts;
+  }
+  switchingOfMask();
+}
+
+void ModelEvaluation::switching(int parts, const std::uint8_t *contacts) {
+  const int nc = model_->nc;
+  for (int i = 0; i < nc; ++i) {
+    switchingMask_[i] = (parts & Gaps) != 0 && contacts[i] != 0;
+    switchingMask_[nc + i] = (parts & Slips) != 0 && contacts[i] != 0;
+  }
+  std::fill_n(switchingMask_.begin() + 2 * static_cast<std::ptrdiff_t>(nc), model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
+  switchingMask_.back() = (parts & Conditions) != 0;
+  switchingParts_ = -1;
+  switchingOfMask();
+}
+
+void ModelEvaluation::switchingOf(int contact) {
+  if (switchingParts_ != 0)
+    std::fill(switchingMask_.begin(), switchingMask_.end(), std::uint8_t{0});
+  switchingParts_ = 0;
+  switchingMask_[contact] = 1;
+  switchingOfMask();
+  switchingMask_[contact] = 0;
+}
+
+void ModelEvaluation::switchingOfMask() {
   double *const out[] = {gap.data(), gapRate.data(), slip.data(), condition.data()};
-  model_->switching(in_, out, mask);
+  model_->switching(in_, out, switchingMask_.data());
 }
 
 void ModelEvaluation::contactTerms(const std::uint8_t *mask) {

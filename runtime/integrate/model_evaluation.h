@@ -32,6 +32,10 @@ public:
   void forces();
   enum SwitchingPart : std::uint8_t { Gaps = 1, Slips = 2, Conditions = 4 };
   void switching(int parts = Gaps | Slips | Conditions);
+  // Gaps and slips of some contacts only, mask [nc]; the others keep their values.
+  void switching(int parts, const std::uint8_t *contacts);
+  // Gap and rate of one contact.
+  void switchingOf(int contact);
   // mask [nc + nf]
   void contactTerms(const std::uint8_t *mask);
   void contactParameters();
@@ -81,6 +85,7 @@ public:
 private:
   void evaluateInputs(double time);
   void constraintTerms(bool residuals, bool rows);
+  void switchingOfMask();
 
   const tf_model *model_;
   const InputSignals *inputs_;
@@ -88,6 +93,8 @@ private:
   std::vector<double> coordinateChange_, inputShift_;
   double time_ = 0, segment_ = 0;
   bool constantInputs_ = false;
+  std::vector<std::uint8_t> switchingMask_;
+  int switchingParts_ = 0;  // whole parts that the mask selects, −1: some contacts
 };
 
 }  // namespace tf::runtime

@@ -121,7 +121,7 @@ void RestPrediction::chooseRows(double time, const double *state) {
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
   at_.contactTerms(takesPart_.data());
-  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips, takesPart_.data());
   const std::vector<int> owner = contactsOfTangents(model);
   std::vector<int> contacts, tangents;
   for (int i = 0; i < model.nc; ++i)

@@ -35,8 +35,9 @@ Blocks call(tf_function function, const EvaluationPoint &point, const std::vecto
   std::array<const double *, TF_IN_COUNT> in{};
   for (std::size_t k = 0; k < in.size(); ++k)
     in[k] = point.in[k].data();
-  // At least as many as contacts and friction elements, switches, and the three parts of `switching`.
-  const std::vector<std::uint8_t> all(point.in[TF_IN_NORMAL].size() + point.in[TF_IN_TANGENT].size() + point.in[TF_IN_ALPHA].size() + 3, 1);
+  // At least as many as any function has: twice the contacts, friction elements, switches, constraints.
+  const std::vector<std::uint8_t> all(2 * point.in[TF_IN_NORMAL].size() + point.in[TF_IN_TANGENT].size() + point.in[TF_IN_ALPHA].size() + 3,
+                                      1);
   function(in.data(), out.data(), mask.empty() ? all.data() : mask.data());
   return blocks;
 }
@@ -274,6 +275,7 @@ private:
         mask.push_back(static_cast<std::uint8_t>(i % 2 == parity ? 1 : 0));
       compareMasked("contact_terms", call(model_.contact_terms, point_, termSizes(), mask, untouched),
                     call(model_.contact_terms, point_, termSizes()), mask, 0, untouched);
+      maskedSwitching(mask, parity, untouched);
       EvaluationPoint unloaded = point_;
       const auto unload = [&](int element, std::int32_t first, std::int32_t count) {
         if (element < model_.nc)
@@ -293,6 +295,24 @@ private:
       compareMasked("dynamics_derivatives", {masked.begin() + 2, masked.begin() + 6}, {full.begin() + 2, full.begin() + 6}, mask, nx(),
                     untouched);
     }
+  }
+
+  // Slips of the other contacts than gaps.
+  void maskedSwitching(const std::vector<std::uint8_t> &elements, std::uint8_t conditions, double untouched) {
+    std::vector<std::uint8_t> mask(elements.begin(), elements.begin() + model_.nc);
+    for (const std::uint8_t selected : elements)
+      mask.push_back(1 - selected);
+    mask.push_back(conditions);
+    const Blocks masked = call(model_.switching, point_, switchingSizes(), mask, untouched);
+    const Blocks full = call(model_.switching, point_, switchingSizes());
+    for (std::size_t block = 0; block < masked.size(); ++block)
+      for (std::size_t row = 0; row < masked[block].size(); ++row) {
+        const bool selected = block < 2    ? mask[row] != 0
+                              : block == 2 ? mask[static_cast<std::size_t>(model_.nc + elementOfTangent(static_cast<int>(row)))] != 0
+                                           : conditions != 0;
+        compare("masked switching block " + std::to_string(block) + " row " + std::to_string(row), masked[block][row],
+                selected ? full[block][row] : untouched);
+      }
   }
 
   // blocks: rows of contacts (even places: 0, 1, 4 of contact_terms; 0, 2 of derivatives) and of tangential rows; width 0: that of

@@ -182,7 +182,7 @@ void setBeltFunctions(tf_model &model) {
     out[1][0] = -in[TF_IN_P][beltStiffness] * in[TF_IN_Q][0];
   };
   model.switching = [](In in, Out out, Mask mask) {
-    if (selected(mask, 1))
+    if (selected(mask, 0))
       out[2][0] = in[TF_IN_V][0] - in[TF_IN_P][beltSpeed];
   };
   model.contact_terms = [](In in, Out out, Mask mask) {
@@ -220,7 +220,7 @@ void setRelayFunctions(tf_model &model) {
     out[2][1] = sign;
   };
   model.switching = [](In in, Out out, Mask mask) {
-    if (selected(mask, 2))
+    if (selected(mask, 0))
       out[3][0] = in[TF_IN_Z][0];
   };
   // x = (z, t).

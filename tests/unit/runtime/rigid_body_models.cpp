@@ -63,11 +63,11 @@ template <class Body> struct PlanarBody {
     const double *q = in[TF_IN_Q], *v = in[TF_IN_V];
     for (int i = 0; i < nc; ++i) {
       const Arm a = arm(in, i);
-      if (selected(mask, 0)) {
+      if (selected(mask, i)) {
         out[0][i] = q[1] + a.h;
         out[1][i] = v[1] + a.r * v[2];
       }
-      if (selected(mask, 1))
+      if (selected(mask, nc + i))
         out[2][i] = v[0] - a.h * v[2];
     }
   }
