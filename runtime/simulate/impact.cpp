@@ -94,20 +94,36 @@ void Impact::certify(const FrozenResult &result) {
     worstResidual_ = std::max(worstResidual_, worst / scale);
 }
 
-bool Impact::apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse) {
+// Contacts at rest have no velocity of their own. Which of them starts a frictional impulse is not known where several are needed for the
+// contact problem to have no solution.
+const FrozenResult &Impact::follow(const std::vector<int> &contacts, const std::vector<int> &forced) {
+  const bool spatial = std::any_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner >= 0; });
+  const auto run = [&](int row) -> const FrozenResult & { return spatial ? spatialPhase_.run(problem_, row) : phase_.run(problem_, row); };
+  starter_ = -1;
+  if (forced.empty()) {
+    const FrozenResult *closedForm = singlePhase_.run(problem_);
+    return closedForm != nullptr ? *closedForm : run(-1);
+  }
+  const auto rowOf = [&contacts](int contact) {
+    const auto place = std::find(contacts.begin(), contacts.end(), contact);
+    assert(place != contacts.end());
+    return static_cast<int>(place - contacts.begin());
+  };
+  for (const int contact : forced)
+    problem_.normalVelocity[rowOf(contact)] = 0;
+  const FrozenResult *result = nullptr;
+  for (std::size_t k = 0; k < forced.size() && starter_ < 0; ++k) {
+    result = &run(rowOf(forced[k]));
+    if (result->status != FrozenStatus::Finished || result->duration > 0)
+      starter_ = forced[k];
+  }
+  return *result;
+}
+
+bool Impact::apply(double time, double *state, const std::vector<int> &contacts, const std::vector<int> &forced, double *normalImpulse) {
   const tf_model &model = at_.model();
   assemble(time, state, contacts);
-  int forcedRow = -1;
-  if (forced >= 0) {
-    const auto place = std::find(contacts.begin(), contacts.end(), forced);
-    assert(place != contacts.end());
-    forcedRow = static_cast<int>(place - contacts.begin());
-  }
-  const bool spatial = std::any_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner >= 0; });
-  const FrozenResult *closedForm = forcedRow < 0 ? singlePhase_.run(problem_) : nullptr;
-  const FrozenResult &result = closedForm != nullptr ? *closedForm
-                               : spatial             ? spatialPhase_.run(problem_, forcedRow)
-                                                     : phase_.run(problem_, forcedRow);
+  const FrozenResult &result = follow(contacts, forced);
   breakpoints_ = result.breakpointCount;
   if (result.status != FrozenStatus::Finished) {
     std::string names;

@@ -19,9 +19,12 @@ public:
   // Whether the impacts that follow have restitution.
   void setElastic(bool elastic) { elastic_ = elastic; }
   [[nodiscard]] bool isElastic() const { return elastic_; }
-  // Moves the velocities in `state` by the impulses of the contacts `contacts` (closed gaps) and tau by the phase's duration. `forced`: the
-  // contact that starts a frictional impulse, or −1. `normalImpulse` [nc] is added to. False: the impact has no end, see text().
-  bool apply(double time, double *state, const std::vector<int> &contacts, int forced, double *normalImpulse);
+  // Moves the velocities in `state` by the impulses of the contacts `contacts` (closed gaps) and tau by the phase's duration. `forced`: of
+  // these, the contacts at rest that may start a frictional impulse; the first one that its own push presses in does. `normalImpulse` [nc]
+  // is added to. False: the impact has no end, see text().
+  bool apply(double time, double *state, const std::vector<int> &contacts, const std::vector<int> &forced, double *normalImpulse);
+  // The contact that has started the last frictional impulse, −1 if none of `forced` could.
+  [[nodiscard]] int starter() const { return starter_; }
 
   [[nodiscard]] const std::string &text() const { return text_; }
   // Work that moving boundaries and time-dependent constraints did in the last impact.
@@ -35,6 +38,7 @@ private:
   void measureWork(const double *impulse, const double *velocities);
   void certify(const FrozenResult &result);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
+  const FrozenResult &follow(const std::vector<int> &contacts, const std::vector<int> &forced);
 
   ModelEvaluation &at_;
   RowSystem rows_;
@@ -45,7 +49,7 @@ private:
   std::vector<std::uint8_t> mask_;
   std::string text_;
   bool elastic_ = true;
-  int breakpoints_ = 0;
+  int breakpoints_ = 0, starter_ = -1;
   double boundaryWork_ = 0, worstResidual_ = 0;
   std::vector<double> impulse_, multiplier_;
 };

@@ -34,7 +34,6 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
         return status;
       continue;
     case SelectionStatus::FrictionalImpulse:
-      transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
       if (const tf_status status = freeze(transitions, selection.contact); status != TF_OK)
         return status;
       continue;
@@ -77,18 +76,28 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   // Impacts that the tolerance of velocities does not see have no restitution: where bounces accumulate in a way that cannot be summed
   // (slips of two components that turn with each of them), they end here.
   const double slow = stopTolerance();
+  std::vector<int> starters;
+  if (forced >= 0) {
+    starters.push_back(forced);
+    const double still = selection_.velocityTolerance(state_.data());
+    std::copy_if(contacts.begin(), contacts.end(), std::back_inserter(starters),
+                 [&](int i) { return i != forced && std::abs(at_.gapRate[i]) <= still; });
+  }
   impact_.setElastic(forced >= 0 || std::any_of(approaching.begin(), approaching.end(), [&](int i) { return at_.gapRate[i] < -slow; }));
+  closeTogether(contacts);
   std::vector<double> incoming;
   if (energy_)
     incoming = state_;
   if (sensitivities_) {
     std::vector<double> ignored(model_.nc);
-    const auto impact = [&](double time, double *state) { return impact_.apply(time, state, contacts, forced, ignored.data()); };
+    const auto impact = [&](double time, double *state) { return impact_.apply(time, state, contacts, starters, ignored.data()); };
     if (!sensitivities_->propagate(impact, time_, state_.data()))
       return failSensitivities("the impact");
   }
-  if (!impact_.apply(time_, state_.data(), contacts, forced, impulse_.data()))
+  if (!impact_.apply(time_, state_.data(), contacts, starters, impulse_.data()))
     return failAt(impact_.text());
+  if (forced >= 0)
+    transitions.push_back({TF_EVENT_PAINLEVE, impact_.starter() >= 0 ? impact_.starter() : forced});
   if (energy_)
     energy_->addImpact(time_, incoming.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
@@ -113,6 +122,30 @@ double Simulation::Implementation::projectOnto(const Mode &mode, double time, do
     correction = dynamics_.project(state, scale);
   }
   return correction;
+}
+
+// Contacts touch within the accuracy of events only. Corners of one face then are not quite in one plane, and their slips, which one motion
+// should bring to zero together, differ by the tilt of that plane times the speed of approach: the gaps of all that approach or rest become
+// zero, by a change of position that is as small.
+void Simulation::Implementation::closeTogether(const std::vector<int> &contacts) {
+  constexpr double farthest = 1e-9;
+  if (std::none_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); }))
+    return;
+  Mode touching = mode_;
+  std::fill(touching.closed.begin(), touching.closed.end(), std::uint8_t{0});
+  std::fill(touching.tangent.begin(), touching.tangent.end(), Tangent::None);
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Gaps);
+  const double still = selection_.velocityTolerance(state_.data());
+  for (const int i : contacts)
+    touching.closed[i] = at_.gapRate[i] <= still ? 1 : 0;
+  std::vector<double> moved = state_;
+  projectOnto(touching, time_, moved.data());
+  const double *scale = integrators_.current().settings().scale.data();
+  for (int k = 0; k < model_.nq; ++k)
+    if (!(std::abs(moved[k] - state_[k]) <= farthest * scale[k]))
+      return;
+  std::copy_n(moved.begin(), model_.nq, state_.begin());
 }
 
 // After an impact that the tolerance does not see: what is left of the velocities of these contacts and is as slow becomes zero. Slips with
@@ -190,12 +223,12 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (stops && !locateStop(event))
     return followTurn(event);
   if (!stops && !detection_->locate(event))
-    return failEvaluation();
+    return approach(event);
   for (int k = 0; k < model_.nc && detection_->findEarlier(event); ++k) {
     stops = false;
     dynamics_.holdDirections(0);
     if (!detection_->locate(event))
-      return failEvaluation();
+      return approach(event);
   }
   const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
@@ -348,7 +381,7 @@ tf_status Simulation::Implementation::jam(int contact) {
   if (!progress_.add(time_))
     return failWithoutProgress();
   beginEvent();
-  std::vector<Transition> transitions = {{TF_EVENT_PAINLEVE, contact}};
+  std::vector<Transition> transitions;
   if (const tf_status status = freeze(transitions, contact); status != TF_OK)
     return status;
   if (const tf_status status = settle(transitions); status != TF_OK)
@@ -411,10 +444,30 @@ tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
     at_.switching(ModelEvaluation::Slips);
     good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard);
   }
+  return endStep(0.5 * length);
+}
+
+// Slips of two components that have just begun, or are about to end, may keep the equations of a step to the event from being solved: those
+// of a shorter one can be, and the next step has other directions to start from.
+tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime();
+  double length = event.time - begin;
+  do {
+    length *= 0.5;
+    if (begin + length <= begin)
+      return failEvaluation();
+  } while (!integrator.shorten(begin + length));
+  return endStep(0.5 * length);
+}
+
+// The step that has been shortened ends without an event; `next` is a first guess of the length of the next one.
+tf_status Simulation::Implementation::endStep(double next) {
+  SmoothIntegrator &integrator = integrators_.current();
   dynamics_.project(integrator.end(), integrator.settings().scale.data());
   if (const tf_status status = commit(); status != TF_OK)
     return status;
-  suggestedStep_ = 0.5 * length;
+  suggestedStep_ = next;
   dynamics_.renewDirections(time_, state_.data());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();

@@ -101,6 +101,7 @@ private:
   tf_status enterMode(Selection &selection, const Mode &previous, std::vector<Transition> &transitions);
   tf_status freeze(std::vector<Transition> &transitions, int forced);
   double projectOnto(const Mode &mode, double time, double *state);
+  void closeTogether(const std::vector<int> &contacts);
   tf_status stopTogether(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
   tf_status differentiateEvent(int guard);
@@ -109,6 +110,8 @@ private:
   double stopTolerance();
   bool locateStop(DetectedEvent &event);
   tf_status followTurn(const DetectedEvent &event);
+  tf_status approach(const DetectedEvent &event);
+  tf_status endStep(double next);
   tf_status handle(DetectedEvent event, double limit);
   tf_status changeMode(const Guard &guard, int stopped, double limit);
   tf_status afterImpact(double limit);
