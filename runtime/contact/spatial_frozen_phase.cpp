@@ -311,6 +311,17 @@ void SpatialFrozenPhase::Workspace::reconcile() {
       impulse[rows[a]] += correction[a];
 }
 
+// Whether the contact that starts a frictional impulse is pressed in by it. Where D_s is about to reach zero the turn of the slip soon
+// makes it negative: until then an approach of the size of rounding keeps the contact pushing.
+bool SpatialFrozenPhase::Workspace::jams(int forced) {
+  if (velocity[forced] < 0 || acceleration[forced] < 0)
+    return true;
+  if (acceleration[forced] > jammed * turnover[forced])
+    return false;
+  velocity[forced] = -2 * roundingSpeed;
+  return true;
+}
+
 void SpatialFrozenPhase::Workspace::follow(int forced) {
   Watch event;
   FrozenEvent label = FrozenEvent::Start;
@@ -332,7 +343,7 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
       found = true;
       continue;
     }
-    if (forced >= 0 && !(acceleration[forced] < 0) && !(velocity[forced] < 0))
+    if (forced >= 0 && !jams(forced))
       break;
     forced = -1;
     const int row = event.kind == Watch::Kind::Slip || event.kind == Watch::Kind::PairSlip || event.kind == Watch::Kind::Stick

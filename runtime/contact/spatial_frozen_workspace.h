@@ -33,6 +33,8 @@ struct SpatialFrozenPhase::Workspace {
   static constexpr double crowd = 1e-3, longLeap = 0.1;
   static constexpr int leapColumns = 7;
   static constexpr double leapAccuracy = 1e-12;
+  // D_s below this part of what it is the difference of is about to reach zero for a frictional impulse.
+  static constexpr double jammed = 1e-3;
 
   // A quantity that is positive on the piece; the piece ends where it falls to zero.
   struct Watch {
@@ -114,6 +116,7 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] FrozenEvent classify(const Watch &event) const;
   void fail(FrozenStatus status);
   void reconcile();
+  bool jams(int forced);
   void follow(int forced);
 };
 

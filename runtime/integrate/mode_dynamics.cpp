@@ -273,7 +273,8 @@ double ModeDynamics::normalForce(int contact) const {
 
 int ModeDynamics::jammedContact() {
   complete();
-  constexpr double jammed = 1e-6;
+  // Where a slow slip turns, D_s falls to zero as the square root of the time that is left: this far within the rounding of time.
+  constexpr double jammed = 1e-3;
   const int normals = rows_.normalCount();
   for (int i = 0; i < normals; ++i) {
     const double own = problem_.delassus(i, i);

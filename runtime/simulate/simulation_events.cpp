@@ -240,10 +240,15 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return status;
   // Other least-norm forces of redundant contacts: the same motion, no event.
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
+    dynamics_.renewDirections(time_, state_.data());
     dynamics_.evaluate(time_, state_.data(), rate_.data());
     startIntegrator();
     return TF_OK;
   }
+  // A force that changes its sign at a pole, not at a zero.
+  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    if (const int contact = dynamics_.jammedContact(); contact >= 0)
+      return jam(contact);
   beginEvent();
   if (sensitivities_ && !dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();

@@ -47,7 +47,10 @@ TEST(RandomScenes, WhereCornersOfOneFaceStopTogether) { expectGood({2820, 3484, 
 // The contact problem has no solution because of two contacts, of which one cannot start the impulse.
 TEST(RandomScenes, WhereTwoContactsTogetherNeedAFrictionalImpulse) { expectGood({3884, 11732, 17460}); }
 
-TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 9720, 16072}); }
+// In space the response of a contact to its own force reaches zero by a turn of its slip.
+TEST(RandomScenes, WhereTurningSlipsJam) { expectGood({7420, 16376}); }
+
+TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 8068, 9720, 16072}); }
 
 }  // namespace
 }  // namespace tf::test

@@ -171,6 +171,30 @@ TEST(SpatialFrozenPhase, SlipRestartsInItsOwnDirection) {
   EXPECT_EQ(restarted.breakpointCount, 1);
 }
 
+// A slip that turns towards where D_s = D_nn − μ D_ntᵀ v_t/‖v_t‖ is negative: the force of the motion grows beyond all bounds on the way
+// there, and the frictional impulse begins at D_s = 0, to rounding above it.
+TEST(SpatialFrozenPhase, FrictionalImpulseBeginsWhereAResponseReachesZero) {
+  Eigen::Matrix3d D;
+  D << 1.45, 0.87, -1.13, 0.87, 3.35, -0.17, -1.13, -0.17, 2.82;
+  const double friction = 2, speed = 2e-5;
+  const double centre = std::atan2(D(0, 2), D(0, 1)), reach = friction * std::hypot(D(0, 1), D(0, 2));
+  const auto slip = [&](double response) {
+    const double angle = centre - std::acos((D(0, 0) - response) / reach);
+    return Eigen::Vector2d(speed * std::cos(angle), speed * std::sin(angle));
+  };
+  SpatialFrozenPhase phase;
+  const FrozenResult &result = phase.run(oneContact(D, friction, 0, slip(1e-7)), 0);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_GT(result.impulse[0], 0.1 * speed);
+  EXPECT_GE(result.velocity[0], 0);
+  const auto points = phase.breakpoints();
+  EXPECT_LT(std::min_element(points.begin(), points.end(), [](const auto &a, const auto &b) { return a.velocity[0] < b.velocity[0]; })
+                ->velocity[0],
+            -0.01 * speed);
+  // Clearly above zero the contact gives way at once.
+  EXPECT_EQ(phase.run(oneContact(D, friction, 0, slip(0.1)), 0).duration, 0);
+}
+
 // A square plate, mass 1, that lands flat, sliding and spinning: friction at its four corners takes slip and spin to zero together. The
 // planar velocities (vx, vy, ω) by the classical Runge–Kutta method in σ, dτ = ‖(v, ω)‖ dσ; the corners push at rate 1. Time of the stop.
 double stopOfPlate(double friction, double half, double inertia, Eigen::Vector3d v) {
