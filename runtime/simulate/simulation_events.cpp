@@ -96,8 +96,8 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   }
   if (!impact_.apply(time_, state_.data(), contacts, starters, impulse_.data()))
     return failAt(impact_.text());
-  if (forced >= 0)
-    transitions.push_back({TF_EVENT_PAINLEVE, impact_.starter() >= 0 ? impact_.starter() : forced});
+  if (impact_.starter() >= 0)
+    transitions.push_back({TF_EVENT_PAINLEVE, impact_.starter()});
   if (energy_)
     energy_->addImpact(time_, incoming.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
