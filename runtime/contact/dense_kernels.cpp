@@ -1,9 +1,9 @@
 #include "runtime/contact/dense_kernels.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 // Code for wider registers beside that of the base architecture. Sanitizers cannot run in the functions that choose.
 #if defined(__x86_64__) && defined(__ELF__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
@@ -59,22 +59,19 @@ __attribute__((always_inline)) inline void addOf(double factor, const double *x,
 
 TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
 
-TF_WIDE int reflectColumns(double *matrix, int rows, int columns, double dependence, double *diagonal, double *half) {
-  for (int j = 0; j < columns; ++j) {
-    double *v = matrix + static_cast<std::ptrdiff_t>(j) * rows + j;
-    const int count = rows - j;
-    const double length = std::sqrt(dotOf(v, v, count));
-    if (!(length > dependence))
-      return j;
-    diagonal[j] = v[0] > 0 ? -length : length;
-    half[j] = length * (length + std::abs(v[0]));
-    v[0] -= diagonal[j];
-    for (int c = j + 1; c < columns; ++c) {
-      double *x = matrix + static_cast<std::ptrdiff_t>(c) * rows + j;
-      addOf(-dotOf(v, x, count) / half[j], v, x, count);
-    }
+TF_WIDE bool reflectColumn(double *matrix, int rows, int j, double dependence, double *half, double &diagonal) {
+  double *x = matrix + static_cast<std::ptrdiff_t>(j) * rows;
+  for (int k = 0; k < j; ++k) {
+    const double *v = matrix + static_cast<std::ptrdiff_t>(k) * rows + k;
+    addOf(-dotOf(v, x + k, rows - k) / half[k], v, x + k, rows - k);
   }
-  return columns;
+  const double length = std::sqrt(dotOf(x + j, x + j, rows - j));
+  if (!(length > dependence))
+    return false;
+  diagonal = x[j] > 0 ? -length : length;
+  half[j] = length * (length + std::abs(x[j]));
+  x[j] -= diagonal;
+  return true;
 }
 
 TF_WIDE void applyReflections(const double *matrix, int rows, int columns, const double *half, double *x) {
@@ -175,6 +172,36 @@ TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular
     }
   }
   return -1;
+}
+
+TF_WIDE int factoriseSemidefinite(double *matrix, int size, double dependence, int *order) {
+  const auto entry = [matrix, size](int i, int j)
+                         __attribute__((always_inline)) -> double & { return matrix[static_cast<std::ptrdiff_t>(j) * size + i]; };
+  for (int k = 0; k < size; ++k) {
+    int best = k;
+    for (int i = k + 1; i < size; ++i)
+      if (entry(i, i) > entry(best, best) * (1 + 1e-12))
+        best = i;
+    if (!(entry(best, best) > dependence))
+      return k;
+    if (best != k) {
+      std::swap(order[k], order[best]);
+      std::swap(entry(k, k), entry(best, best));
+      for (int j = 0; j < k; ++j)
+        std::swap(entry(k, j), entry(best, j));
+      for (int i = k + 1; i < best; ++i)
+        std::swap(entry(i, k), entry(best, i));
+      for (int i = best + 1; i < size; ++i)
+        std::swap(entry(i, k), entry(i, best));
+    }
+    const double root = std::sqrt(entry(k, k)), inverse = 1 / root;
+    entry(k, k) = root;
+    for (int i = k + 1; i < size; ++i)
+      entry(i, k) *= inverse;
+    for (int j = k + 1; j < size; ++j)
+      addOf(-entry(j, k), &entry(j, k), &entry(j, j), size - j);
+  }
+  return size;
 }
 
 TF_WIDE void eliminateColumns(double *matrix, int size, int k) {

@@ -15,10 +15,11 @@ constexpr int panelLanes = 8;
 // Σ a_k b_k
 [[nodiscard]] double denseDot(const double *a, const double *b, int count);
 
-// Householder's QR decomposition of a rows × columns matrix, rows ≥ columns, column-major: R above the diagonal and in `diagonal`
-// [columns]; column j from row j on is v_j of the reflection I − v_j v_jᵀ / `half`_j, half_j = ‖v_j‖²/2 [columns] (0: none).
-// Returns the number of the first column whose part outside the span of those before is not longer than `dependence`, or `columns`.
-int reflectColumns(double *matrix, int rows, int columns, double dependence, double *diagonal, double *half);
+// Householder's QR decomposition of a matrix with so many rows, column-major, column after column: the first j columns hold v_k, from row k
+// on, of the reflections H_k = I − v_k v_kᵀ / half_k, half_k = ‖v_k‖²/2, and R above. Column j becomes H_{j−1} … H_0 times itself and then,
+// from row j on, v_j; R_jj in `diagonal`. False, with no v_j and R_jj made, where its part outside the span of those before is not longer
+// than `dependence`.
+bool reflectColumn(double *matrix, int rows, int j, double dependence, double *half, double &diagonal);
 // x [rows] ← H_0 … H_{columns−1} x
 void applyReflections(const double *matrix, int rows, int columns, const double *half, double *x);
 
@@ -33,6 +34,10 @@ void forwardPanel(const double *factor, const std::ptrdiff_t *start, const int *
 // in `inverse`, what is right of the diagonal is overwritten. `work`: 4 × stride. Returns the first row whose pivot is not above `singular`
 // times its diagonal entry, or −1.
 int factoriseDense(double *matrix, int size, int stride, double singular, double *inverse, double *work);
+
+// A = L Lᵀ of a symmetric positive semidefinite matrix (lower triangle, column-major) with unit diagonal, rows and columns permuted by
+// `order`, which is permuted along: the largest pivot first, until none is larger than `dependence`. Returns their number.
+int factoriseSemidefinite(double *matrix, int size, double dependence, int *order);
 
 // column_j −= column_k a_kj from row k + 1 on, for all columns j > k of a size × size matrix, column-major.
 void eliminateColumns(double *matrix, int size, int k);

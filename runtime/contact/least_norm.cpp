@@ -23,6 +23,8 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
   normals_.resize(variables, constraints_);
   basis_.resize(variables, variables);
   triangle_.resize(variables, variables);
+  reflections_.resize(variables, variables);
+  half_.resize(variables);
   bounds_.resize(constraints_);
   origin_.assign(variables, 0.0);
   x_.resize(variables);
@@ -34,16 +36,6 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
 }
 
 double LeastNorm::slack(int constraint) const { return denseDot(normals_.column(constraint), x_.data(), variables_) - bounds_[constraint]; }
-
-void LeastNorm::clearActive() {
-  active_.clear();
-  multipliers_.clear();
-  isReflected_ = false;
-  for (int j = 0; j < variables_; ++j) {
-    std::fill_n(basis_.column(j), variables_, 0.0);
-    basis_(j, j) = 1;
-  }
-}
 
 void LeastNorm::formBasis() {
   if (!isReflected_)
@@ -145,25 +137,6 @@ int LeastNorm::blocking(double &step) const {
   return found;
 }
 
-LeastNorm::Status LeastNorm::addEquation(int constraint, double tolerance) {
-  const double residual = slack(constraint);
-  const double length = project(normals_.column(constraint));
-  if (length <= dependence) {
-    dependent_ = true;
-    return std::abs(residual) <= tolerance ? Status::Solved : Status::Contradictory;
-  }
-  const int q = static_cast<int>(active_.size());
-  const double step = -residual / (length * length);
-  for (int j = q; j < variables_; ++j)
-    for (int i = 0; i < variables_; ++i)
-      x_[i] += step * d_[j] * basis_(i, j);
-  dualDirection();
-  for (int k = 0; k < q; ++k)
-    multipliers_[k] -= step * r_[k];
-  append(constraint, step, length);
-  return Status::Solved;
-}
-
 LeastNorm::Status LeastNorm::addInequality(int constraint, double tolerance) {
   double multiplier = 0;
   while (true) {
@@ -192,13 +165,64 @@ LeastNorm::Status LeastNorm::addInequality(int constraint, double tolerance) {
   }
 }
 
-LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {
-  clearActive();
+// The least-norm point of the active constraints as equations. False where one depends on others.
+bool LeastNorm::reflectActive(double accepted) {
+  const int q = static_cast<int>(active_.size());
+  for (int k = 0; k < q; ++k) {
+    std::copy_n(normals_.column(active_[k]), variables_, reflections_.column(k));
+    if (!reflect(k, accepted))
+      return false;
+  }
+  return true;
+}
+
+// The normal in column k of reflections_ becomes column k of R; false where it depends on those before.
+bool LeastNorm::reflect(int k, double accepted) {
+  if (!reflectColumn(reflections_.data(), variables_, k, accepted, half_.data(), triangle_(k, k)))
+    return false;
+  std::copy_n(reflections_.column(k), k, triangle_.column(k));
+  return true;
+}
+
+// x and the multipliers of the active constraints, which have just been reflected.
+void LeastNorm::solveReflected() {
+  isReflected_ = true;
+  const int q = static_cast<int>(active_.size());
+  for (int k = 0; k < q; ++k)
+    z_[k] = bounds_[active_[k]] - denseDot(normals_.column(active_[k]), origin_.data(), variables_);
+  solveTransposed(z_.data());
+  fromActive(x_.data());
+  for (int i = 0; i < variables_; ++i)
+    x_[i] += origin_[i];
+  dualDirection();
+  multipliers_.assign(r_.begin(), r_.begin() + q);
+}
+
+LeastNorm::Status LeastNorm::solveEquations(double tolerance) {
+  active_.clear();
   dependent_ = false;
-  x_ = origin_;
-  for (int c = 0; c < equations_; ++c)
-    if (addEquation(c, equationTolerance) == Status::Contradictory)
+  for (int c = 0; c < equations_; ++c) {
+    const int q = static_cast<int>(active_.size());
+    if (q == variables_) {
+      dependent_ = true;
+      break;
+    }
+    std::copy_n(normals_.column(c), variables_, reflections_.column(q));
+    if (reflect(q, dependence))
+      active_.push_back(c);
+    else
+      dependent_ = true;
+  }
+  solveReflected();
+  for (int c = 0; dependent_ && c < equations_; ++c)
+    if (std::abs(slack(c)) > tolerance)
       return Status::Contradictory;
+  return Status::Solved;
+}
+
+LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {
+  if (solveEquations(equationTolerance) == Status::Contradictory)
+    return Status::Contradictory;
   // Each addition raises the dual objective; the limit is for rounding in degenerate polyhedra, where the order of index ends cycles.
   const int limit = 20 * (constraints_ + variables_) + 100;
   for (int iteration = 0; iteration < limit; ++iteration) {
@@ -223,27 +247,9 @@ LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {
 
 bool LeastNorm::solveActive() {
   // Kept order: the pivots are the same functions of the data as long as the active set is.
-  const int q = static_cast<int>(active_.size());
-  reflections_.resize(static_cast<std::size_t>(variables_) * q);
-  half_.resize(q);
-  for (int k = 0; k < q; ++k)
-    std::copy_n(normals_.column(active_[k]), variables_, reflections_.data() + static_cast<std::ptrdiff_t>(k) * variables_);
-  if (reflectColumns(reflections_.data(), variables_, q, dependence * 1e-3, z_.data(), half_.data()) < q)
+  if (!reflectActive(dependence * 1e-3))
     return false;
-  isReflected_ = true;
-  for (int k = 0; k < q; ++k) {
-    std::copy_n(reflections_.data() + static_cast<std::ptrdiff_t>(k) * variables_, k, triangle_.column(k));
-    triangle_(k, k) = z_[k];
-  }
-  for (int k = 0; k < q; ++k)
-    z_[k] = bounds_[active_[k]] - denseDot(normals_.column(active_[k]), origin_.data(), variables_);
-  solveTransposed(z_.data());
-  fromActive(x_.data());
-  for (int i = 0; i < variables_; ++i)
-    x_[i] += origin_[i];
-  multipliers_.resize(q);
-  dualDirection();
-  std::copy_n(r_.begin(), q, multipliers_.begin());
+  solveReflected();
   return true;
 }
 

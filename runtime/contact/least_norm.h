@@ -43,8 +43,11 @@ public:
   [[nodiscard]] bool dependent() const { return dependent_; }
 
 private:
-  void clearActive();
   void formBasis();
+  bool reflectActive(double accepted);
+  bool reflect(int k, double accepted);
+  void solveReflected();
+  Status solveEquations(double tolerance);
   double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖
   void append(int constraint, double multiplier, double length);
   void removeAt(int k);
@@ -52,13 +55,14 @@ private:
   void solveTransposed(const double *c);
   void fromActive(double *point) const;
   int blocking(double &step) const;
-  Status addEquation(int constraint, double tolerance);
   Status addInequality(int constraint, double tolerance);
 
   int variables_ = 0, equations_ = 0, constraints_ = 0;
   DenseMatrix normals_, basis_, triangle_;  // J = (J₁ J₂) orthogonal, N = J₁ R
   std::vector<double> bounds_, origin_, x_, d_, r_, z_, multipliers_;
-  std::vector<double> reflections_, half_;  // of the last solveActive: J = H_0 H_1 … (dense_kernels.h), J itself is made where it is needed
+  // Of the last solve or solveActive: J = H_0 H_1 … (dense_kernels.h); J itself is made where it is needed.
+  DenseMatrix reflections_;
+  std::vector<double> half_;
   bool isReflected_ = false;
   std::vector<int> active_, order_;
   bool dependent_ = false;

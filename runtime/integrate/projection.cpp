@@ -13,46 +13,37 @@ Projection::Projection(ModelEvaluation &evaluation, const RowSystem &rows, const
 void Projection::resize() {
   corrected_.assign(rows_.count(), 0);
   impulse_.assign(rows_.count(), 0.0);
-  residual_ = search_ = image_ = impulse_;
+  residual_ = impulse_;
+  factored_.clear();
+  chosen_.reserve(rows_.count());
 }
 
 bool Projection::isNeeded() const { return rows_.count() > 0 || at_.model().nh > 0 || at_.model().nr > 0; }
 
-// target += W Jᵀ x with D x = residual_ on the rows that take part (the residuals of the others are zero). Conjugate gradients: exact after
-// as many iterations as D has rank, also where D is singular and the residual consistent.
+// target += W Jᵀ x with D x = residual_ on the rows that take part. Where D is singular there any solution makes the same motion: residuals
+// are consistent but for rounding, which no motion of redundant rows can remove.
 void Projection::correct(double *target) {
+  constexpr double dependence = 1e-11;
   const int rows = rows_.count();
-  std::fill(impulse_.begin(), impulse_.end(), 0.0);
-  std::copy(residual_.begin(), residual_.end(), search_.begin());
-  double norm = 0, trace = 0;
-  for (int i = 0; i < rows; ++i) {
-    norm += residual_[i] * residual_[i];
-    trace += problem_.delassus(i, i);
-  }
-  const double first = norm;
-  for (int iteration = 0; iteration < 2 * rows && norm > 1e-28 * first; ++iteration) {
-    double curvature = 0, length = 0;
-    for (int i = 0; i < rows; ++i) {
-      image_[i] = 0;
-      for (int j = 0; corrected_[i] && j < rows; ++j)
-        image_[i] += problem_.delassus(i, j) * search_[j];
-      curvature += search_[i] * image_[i];
-      length += search_[i] * search_[i];
-    }
-    // What is left is rounding that no motion of redundant rows can remove.
-    if (!(curvature > 1e-12 * trace * length))
-      break;
-    const double step = norm / curvature;
-    double next = 0;
-    for (int i = 0; i < rows; ++i) {
-      impulse_[i] += step * search_[i];
-      residual_[i] -= step * image_[i];
-      next += residual_[i] * residual_[i];
-    }
+  if (factored_ != corrected_) {
+    factored_ = corrected_;
+    chosen_.clear();
     for (int i = 0; i < rows; ++i)
-      search_[i] = residual_[i] + next / norm * search_[i];
-    norm = next;
+      if (corrected_[i])
+        chosen_.push_back(i);
+    factor_.resize(static_cast<int>(chosen_.size()));
+    for (std::size_t j = 0; j < chosen_.size(); ++j)
+      for (std::size_t i = j; i < chosen_.size(); ++i)
+        factor_.entry(static_cast<int>(i), static_cast<int>(j)) = problem_.delassus(chosen_[i], chosen_[j]);
+    factor_.factor(dependence);
+    solution_.resize(chosen_.size());
   }
+  for (std::size_t k = 0; k < chosen_.size(); ++k)
+    solution_[k] = residual_[chosen_[k]];
+  factor_.solve(solution_.data(), solution_.data());
+  std::fill(impulse_.begin(), impulse_.end(), 0.0);
+  for (std::size_t k = 0; k < chosen_.size(); ++k)
+    impulse_[chosen_[k]] = solution_[k];
   rows_.accelerate(impulse_.data(), target);
 }
 
@@ -128,6 +119,7 @@ double Projection::project(double *state, const double *scale, const std::uint8_
     return 0;
   const tf_model &model = at_.model();
   at_.setPoint(at_.time(), state);
+  factored_.clear();
   std::copy_n(state, model.nq + model.nv, before_.begin());
   projectCoordinates(state);
   projectVelocities(state + model.nq, stopped);

@@ -2,6 +2,7 @@
 // of the mass matrix.
 #pragma once
 
+#include "runtime/contact/semidefinite_factor.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/row_system.h"
 
@@ -32,8 +33,11 @@ private:
   ModelEvaluation &at_;
   const RowSystem &rows_;
   const ContactProblem &problem_;
-  std::vector<std::uint8_t> corrected_;                      // rows that take part
-  std::vector<double> impulse_, residual_, search_, image_;  // of the conjugate gradients, for each row
+  std::vector<std::uint8_t> corrected_, factored_;  // rows that take part; those of factor_ (none: to be made)
+  std::vector<int> chosen_;                         // those rows
+  SemidefiniteFactor factor_;                       // D of the chosen rows
+  std::vector<double> solution_;                    // for each of them
+  std::vector<double> impulse_, residual_;          // for each row
   std::vector<double> change_, constraintChange_, before_;
 };
 

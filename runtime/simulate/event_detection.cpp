@@ -89,8 +89,8 @@ void EventDetection::readGuards(double time, Sample &sample) {
       sample.value[k] = hop(static_cast<int>(k), time, sample.value[k], sample.rate[k]);
 }
 
-bool EventDetection::sample(double time, const double *state, Sample &sample) {
-  if (needsForces_) {
+bool EventDetection::sample(double time, const double *state, bool withForces, Sample &sample) {
+  if (withForces && needsForces_) {
     if (!dynamics_.evaluate(time, state, scratch_.data()))
       return false;
   } else {
@@ -100,9 +100,10 @@ bool EventDetection::sample(double time, const double *state, Sample &sample) {
   return true;
 }
 
-bool EventDetection::sampleInside(double time, Sample &sample) {
+// Without forces the values of their guards mean nothing.
+bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
   integrator_->interpolate(time, state_.data());
-  return this->sample(time, state_.data(), sample);
+  return this->sample(time, state_.data(), withForces, sample);
 }
 
 double EventDetection::guardAt(int guard, double time, const double *state) {
@@ -150,7 +151,8 @@ void EventDetection::watchStart() {
 // A zero of a gap, which has a rate, by Newton's method in the bracket; `x` is the first guess.
 void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent &event) {
   const int contact = dynamics_.guards()[guard].index;
-  const double accuracy = 1e-12 * (event.high - event.low);
+  // Of times, which are rounded.
+  const double accuracy = std::max(1e-12 * (event.high - event.low), 4 * std::numeric_limits<double>::epsilon() * std::abs(event.high));
   double a = event.low, b = event.high, previous = 0;
   for (int k = 0; k < 60; ++k) {
     const double value = guardInside(guard, x) - zero;
@@ -162,8 +164,10 @@ void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent 
     if (!isNewton)
       next = 0.5 * (a + b);
     const double step = std::abs(next - x);
-    // Quadratic convergence: the step after this one would be step (step/previous)².
-    if (step <= accuracy || (isNewton && step < 0.1 * previous && step * step * step <= accuracy * previous * previous)) {
+    // Quadratic convergence: the step after this one would be step (step/previous)². Once it has come near, rounding of the values keeps
+    // later steps from becoming shorter.
+    const bool isRounding = isNewton && previous > 0 && step >= 0.5 * previous && step <= 1e-8 * (event.high - event.low);
+    if (step <= accuracy || isRounding || (isNewton && step < 0.1 * previous && step * step * step <= accuracy * previous * previous)) {
       event.time = next;
       return;
     }
@@ -218,6 +222,9 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   if (first.guard >= 0 && low.time >= first.time)
     return;
   const double zero = level(guard);
+  // Of many guards that fall in the step only the first is wanted.
+  if (first.guard >= 0 && first.time < high.time && guardInside(guard, first.time) >= zero)
+    return;
   const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   const double secant = (low.time * atHigh - high.time * atLow) / (atHigh - atLow);
@@ -247,6 +254,8 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
   bool divide = false;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
     const int guard = static_cast<int>(k);
+    if (depth > 0 && isForceGuard(dynamics_.guards()[k].kind))
+      continue;
     if (a.value[k] > threshold(guard))
       armed_[k] = Arming::ByValue;
     if (b.value[k] < level(guard))
@@ -257,7 +266,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
     return;
   const double h = b.time - a.time;
   Sample &middle = pool_[depth];
-  if (!sampleInside(0.5 * (a.time + b.time), middle))
+  if (!sampleInside(0.5 * (a.time + b.time), false, middle))
     return;
   bool again = false;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
@@ -328,7 +337,7 @@ DetectedEvent EventDetection::detect() {
   if (allFar())
     return first;
   Sample &middle = middle_;
-  if (!sampleInside(0.5 * (begin_.time + end_.time), middle))
+  if (!sampleInside(0.5 * (begin_.time + end_.time), true, middle))
     return first;
   examine(begin_, middle, 0, first);
   if (first.guard < 0 || first.time > middle.time)

@@ -83,7 +83,8 @@ TEST(DenseKernels, ReflectsColumnsOntoATriangle) {
     const Eigen::MatrixXd matrix = Eigen::MatrixXd::Random(rows, columns);
     Eigen::MatrixXd factor = matrix;
     Eigen::VectorXd diagonal(columns), half(columns);
-    ASSERT_EQ(reflectColumns(factor.data(), rows, columns, 1e-12, diagonal.data(), half.data()), columns);
+    for (int c = 0; c < columns; ++c)
+      ASSERT_TRUE(reflectColumn(factor.data(), rows, c, 1e-12, half.data(), diagonal[c]));
     for (int c = 0; c < columns; ++c) {
       Eigen::VectorXd column = Eigen::VectorXd::Zero(rows);
       column.head(c) = factor.col(c).head(c);
@@ -92,10 +93,12 @@ TEST(DenseKernels, ReflectsColumnsOntoATriangle) {
       EXPECT_LT((column - matrix.col(c)).norm(), 1e-13) << rows;
     }
   }
-  Eigen::MatrixXd dependent = Eigen::MatrixXd::Random(10, 4);
+  Eigen::MatrixXd dependent = Eigen::MatrixXd::Random(10, 3);
   dependent.col(2) = dependent.col(0) - 2 * dependent.col(1);
-  Eigen::VectorXd diagonal(4), half(4);
-  EXPECT_EQ(reflectColumns(dependent.data(), 10, 4, 1e-12, diagonal.data(), half.data()), 2);
+  Eigen::VectorXd diagonal(3), half(3);
+  EXPECT_TRUE(reflectColumn(dependent.data(), 10, 0, 1e-12, half.data(), diagonal[0]));
+  EXPECT_TRUE(reflectColumn(dependent.data(), 10, 1, 1e-12, half.data(), diagonal[1]));
+  EXPECT_FALSE(reflectColumn(dependent.data(), 10, 2, 1e-12, half.data(), diagonal[2]));
 }
 
 }  // namespace
