@@ -20,6 +20,8 @@ void SemidefiniteFactor::resize(int size) {
 
 int SemidefiniteFactor::factor(double dependence) {
   const int n = matrix_.rows();
+  if (n == 1)
+    return rank_ = matrix_(0, 0) > 0 ? 1 : 0;
   for (int i = 0; i < n; ++i) {
     order_[i] = i;
     scale_[i] = matrix_(i, i) > 0 ? 1 / std::sqrt(matrix_(i, i)) : 0.0;
@@ -52,6 +54,11 @@ void SemidefiniteFactor::solveOnce(const double *b, double *x) const {
 void SemidefiniteFactor::solve(const double *b, double *x) const {
   const int n = matrix_.rows();
   constexpr int smallestRefined = 3;
+  // One contact, the most frequent by far.
+  if (n == 1) {
+    x[0] = rank_ == 1 ? b[0] / matrix_(0, 0) : 0;
+    return;
+  }
   std::copy_n(b, n, rest_.begin());
   solveOnce(rest_.data(), x);
   if (rank_ < smallestRefined)
