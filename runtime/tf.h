@@ -69,7 +69,7 @@ typedef struct tf_statistics {
    * met; for slips of two components that start from zero, which are stiff at first; for low bounces beside cvode. */
   long long stiff_changes, failure_changes, launch_changes, bounce_changes;
   double worst_residual;        /* of all contact problems at acceleration level, relative to their scale */
-  double worst_impact_residual; /* of all impacts, relative to their largest velocity */
+  double worst_impact_residual; /* of all impacts, relative to the largest velocity, at least 1 */
   /* Over outputs, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without contacts), largest residual of
    * a constraint or of its rate, largest error of the energy balance relative to the largest energy; and where and when. */
   double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;

@@ -67,11 +67,11 @@ void Impact::measureWork(const double *impulse, const double *velocities) {
 }
 
 // What the end of an impact must satisfy however it was found: v⁺ = v⁻ + D Λ, no contact approaches, Λ_n ≥ 0 and ‖Λ_t‖ ≤ μ Λ_n (the
-// integral of forces within the cone is within it). Relative to the largest velocity, all rows in the metric of D.
+// integral of forces within the cone is within it). Relative to the largest velocity, at least 1, all rows in the metric of D.
 void Impact::certify(const FrozenResult &result) {
   const int n = problem_.normalCount, count = problem_.count();
   const auto metric = [this](int r) { return problem_.delassus(r, r) > 0 ? std::sqrt(problem_.delassus(r, r)) : 1.0; };
-  double scale = 0, worst = 0;
+  double scale = problem_.resolution / roundingOfVelocities, worst = 0;
   const auto include = [&worst](double violation) { worst = violation > worst || std::isnan(violation) ? violation : worst; };
   for (int r = 0; r < count; ++r) {
     const double before = r < n ? problem_.normalVelocity[r] : problem_.slipVelocity[r - n], after = result.velocity[r];
@@ -90,8 +90,7 @@ void Impact::certify(const FrozenResult &result) {
     const double size = partner < 0 ? std::abs(result.impulse[n + j]) : std::hypot(result.impulse[n + j], result.impulse[n + partner]);
     include((size - problem_.friction[j] * result.impulse[owner]) * metric(n + j));
   }
-  if (scale > 0)
-    worstResidual_ = std::max(worstResidual_, worst / scale);
+  worstResidual_ = std::max(worstResidual_, worst / scale);
 }
 
 // Contacts at rest have no velocity of their own. Which of them starts a frictional impulse is not known where several are needed for the

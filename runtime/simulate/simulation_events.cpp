@@ -171,9 +171,13 @@ tf_status Simulation::Implementation::stopTogether(const std::vector<int> &conta
     }
   }
   const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
+  std::vector<double> stopped = state_;
+  // Of redundant contacts some may have to open: where they cannot stop together, one of them would be pressed in.
+  if (!stop(time_, stopped.data()) || !selection_.touching(time_, stopped.data(), true).empty())
+    return TF_OK;
   if (sensitivities_ && !sensitivities_->propagate(stop, time_, state_.data()))
     return failSensitivities("the impact");
-  stop(time_, state_.data());
+  state_ = std::move(stopped);
   return TF_OK;
 }
 
