@@ -292,7 +292,8 @@ void ContactSolver::Workspace::finish(const ContactProblem &problem, const Conta
   bool mayChange = true;
   while (mayChange && !settleForces(problem))
     mayChange = openPulling(problem);
-  listDegenerate(problem, preferred);
+  if (settings.listsDegenerate)
+    listDegenerate(problem, preferred);
 }
 
 void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const ContactMode *preferred) {

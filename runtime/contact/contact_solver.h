@@ -22,8 +22,9 @@ class ContactSolver {
 public:
   // Equality of forces and accelerations with zero, relative to the problem's scale.
   struct Settings {
-    double feasibility = 1e-10;  // accepted violation of a condition
-    double degeneracy = 1e-9;    // below: the row is decided by its next derivative
+    double feasibility = 1e-10;   // accepted violation of a condition
+    double degeneracy = 1e-9;     // below: the row is decided by its next derivative
+    bool listsDegenerate = true;  // false: nobody asks which rows these are
   };
   struct Statistics {
     long solves = 0, previousModeKept = 0, enumerated = 0, activeSet = 0, pivoted = 0, pivots = 0, redundant = 0, resolved = 0;

@@ -55,30 +55,78 @@ __attribute__((always_inline)) inline void addOf(double factor, const double *x,
     y[k] += factor * x[k];
 }
 
+// x ← H_k x
+__attribute__((always_inline)) inline void reflectByOne(const double *matrix, int rows, int k, double scale, double *x) {
+  const double *v = matrix + static_cast<std::ptrdiff_t>(k) * rows + k;
+  addOf(-scale * dotOf(v, x + k, rows - k), v, x + k, rows - k);
+}
+
+// x ← H_{k+1} H_k x, or (`reverse`) H_k H_{k+1} x, with x read and written once for both.
+__attribute__((always_inline)) inline void reflectByTwo(const double *matrix, int rows, int k, const double *scale, double cross,
+                                                        bool reverse, double *x) {
+  const double *v = matrix + static_cast<std::ptrdiff_t>(k) * rows + k + 1, *w = v + rows;
+  const int count = rows - k - 1;
+  x += k + 1;
+  Lanes sumV{}, sumW{}, a, b, c;
+  int i = 0;
+  for (; i + panelLanes <= count; i += panelLanes) {
+    load(a, v + i);
+    load(b, w + i);
+    load(c, x + i);
+    sumV += a * c;
+    sumW += b * c;
+  }
+  double alongV = v[-1] * x[-1], alongW = 0;
+  for (; i < count; ++i) {
+    alongV += v[i] * x[i];
+    alongW += w[i] * x[i];
+  }
+  alongV += sumOf(sumV);
+  alongW += sumOf(sumW);
+  double byV = -scale[k] * alongV, byW = -scale[k + 1] * alongW;
+  if (reverse)
+    byV = -scale[k] * (alongV + byW * cross);
+  else
+    byW = -scale[k + 1] * (alongW + byV * cross);
+  x[-1] += byV * v[-1];
+  for (i = 0; i + panelLanes <= count; i += panelLanes) {
+    load(a, v + i);
+    load(b, w + i);
+    load(c, x + i);
+    c += byV * a + byW * b;
+    store(c, x + i);
+  }
+  for (; i < count; ++i)
+    x[i] += byV * v[i] + byW * w[i];
+}
+
 }  // namespace
 
 TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
 
-TF_WIDE bool reflectColumn(double *matrix, int rows, int j, double dependence, double *half, double &diagonal) {
+TF_WIDE bool reflectColumn(double *matrix, int rows, int j, double dependence, double *scale, double *cross, double &diagonal) {
   double *x = matrix + static_cast<std::ptrdiff_t>(j) * rows;
-  for (int k = 0; k < j; ++k) {
-    const double *v = matrix + static_cast<std::ptrdiff_t>(k) * rows + k;
-    addOf(-dotOf(v, x + k, rows - k) / half[k], v, x + k, rows - k);
-  }
+  int k = 0;
+  for (; k + 1 < j; k += 2)
+    reflectByTwo(matrix, rows, k, scale, cross[k + 1], false, x);
+  if (k < j)
+    reflectByOne(matrix, rows, k, scale[k], x);
   const double length = std::sqrt(dotOf(x + j, x + j, rows - j));
   if (!(length > dependence))
     return false;
   diagonal = x[j] > 0 ? -length : length;
-  half[j] = length * (length + std::abs(x[j]));
+  scale[j] = 1 / (length * (length + std::abs(x[j])));
   x[j] -= diagonal;
+  cross[j] = j % 2 == 1 ? dotOf(x - rows + j, x + j, rows - j) : 0.0;
   return true;
 }
 
-TF_WIDE void applyReflections(const double *matrix, int rows, int columns, const double *half, double *x) {
-  for (int j = columns - 1; j >= 0; --j) {
-    const double *v = matrix + static_cast<std::ptrdiff_t>(j) * rows + j;
-    addOf(-dotOf(v, x + j, rows - j) / half[j], v, x + j, rows - j);
-  }
+TF_WIDE void applyReflections(const double *matrix, int rows, int columns, const double *scale, const double *cross, double *x) {
+  int k = columns - 1;
+  if (columns % 2 == 1)
+    reflectByOne(matrix, rows, k--, scale[columns - 1], x);
+  for (; k >= 1; k -= 2)
+    reflectByTwo(matrix, rows, k - 1, scale, cross[k], true, x);
 }
 
 TF_WIDE void multiplyPanels(const double *z, const double *s, int depth, int stride, double *product) {

@@ -16,12 +16,12 @@ constexpr int panelLanes = 8;
 [[nodiscard]] double denseDot(const double *a, const double *b, int count);
 
 // Householder's QR decomposition of a matrix with so many rows, column-major, column after column: the first j columns hold v_k, from row k
-// on, of the reflections H_k = I − v_k v_kᵀ / half_k, half_k = ‖v_k‖²/2, and R above. Column j becomes H_{j−1} … H_0 times itself and then,
-// from row j on, v_j; R_jj in `diagonal`. False, with no v_j and R_jj made, where its part outside the span of those before is not longer
-// than `dependence`.
-bool reflectColumn(double *matrix, int rows, int j, double dependence, double *half, double &diagonal);
+// on, of the reflections H_k = I − scale_k v_k v_kᵀ, scale_k = 2/‖v_k‖², and R above. Column j becomes H_{j−1} … H_0 times itself and then,
+// from row j on, v_j; R_jj in `diagonal`, and cross_j = v_{j−1}ᵀ v_j for odd j: reflections are applied in pairs. False, with no v_j and
+// R_jj made, where the column's part outside the span of those before is not longer than `dependence`.
+bool reflectColumn(double *matrix, int rows, int j, double dependence, double *scale, double *cross, double &diagonal);
 // x [rows] ← H_0 … H_{columns−1} x
-void applyReflections(const double *matrix, int rows, int columns, const double *half, double *x);
+void applyReflections(const double *matrix, int rows, int columns, const double *scale, const double *cross, double *x);
 
 // Panels: `depth` rows of `stride` entries, a multiple of panelLanes. D = Zᵀ S, symmetric; `product` stride × stride, of which entries
 // (i, j) with j ≤ i are right.

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int eventLimit = 4000;
-// A sequence that repeats passes through the same few sets of resting contacts.
-constexpr std::size_t flightLimit = 300;
+// A sequence that repeats passes through the same few sets of resting contacts; to find out that many contacts do not is costly.
+constexpr std::size_t flightLimit = 64;
 // A factor closer to 1 does not contract.
 constexpr double contraction = 1e-6;
 // Impacts slower than this part of the fastest one end the sequence where it does not repeat: the time left is as small.
@@ -54,7 +54,7 @@ struct ImpactSequence::Workspace {
   const SequenceProblem *problem = nullptr;
   FrozenPhase frozen;
   FrozenProblem impact;
-  ContactSolver solver;
+  ContactSolver solver{{.listsDegenerate = false}};
   ContactProblem closed;
   // inner: impacts; outer: one entry for each accumulation that was summed.
   BreakpointTail inner, outer;

@@ -24,7 +24,8 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
   basis_.resize(variables, variables);
   triangle_.resize(variables, variables);
   reflections_.resize(variables, variables);
-  half_.resize(variables);
+  scale_.resize(variables);
+  cross_.resize(variables);
   bounds_.resize(constraints_);
   origin_.assign(variables, 0.0);
   x_.resize(variables);
@@ -45,7 +46,7 @@ void LeastNorm::formBasis() {
   for (int j = 0; j < variables_; ++j) {
     std::fill_n(basis_.column(j), variables_, 0.0);
     basis_(j, j) = 1;
-    applyReflections(reflections_.data(), variables_, q, half_.data(), basis_.column(j));
+    applyReflections(reflections_.data(), variables_, q, scale_.data(), cross_.data(), basis_.column(j));
   }
 }
 
@@ -178,7 +179,7 @@ bool LeastNorm::reflectActive(double accepted) {
 
 // The normal in column k of reflections_ becomes column k of R; false where it depends on those before.
 bool LeastNorm::reflect(int k, double accepted) {
-  if (!reflectColumn(reflections_.data(), variables_, k, accepted, half_.data(), triangle_(k, k)))
+  if (!reflectColumn(reflections_.data(), variables_, k, accepted, scale_.data(), cross_.data(), triangle_(k, k)))
     return false;
   std::copy_n(reflections_.column(k), k, triangle_.column(k));
   return true;
@@ -259,7 +260,7 @@ void LeastNorm::fromActive(double *point) const {
   std::fill_n(point, variables_, 0.0);
   if (isReflected_) {
     std::copy_n(d_.begin(), q, point);
-    applyReflections(reflections_.data(), variables_, q, half_.data(), point);
+    applyReflections(reflections_.data(), variables_, q, scale_.data(), cross_.data(), point);
     return;
   }
   for (int j = 0; j < q; ++j)

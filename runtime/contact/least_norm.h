@@ -62,7 +62,7 @@ private:
   std::vector<double> bounds_, origin_, x_, d_, r_, z_, multipliers_;
   // Of the last solve or solveActive: J = H_0 H_1 … (dense_kernels.h); J itself is made where it is needed.
   DenseMatrix reflections_;
-  std::vector<double> half_;
+  std::vector<double> scale_, cross_;
   bool isReflected_ = false;
   std::vector<int> active_, order_;
   bool dependent_ = false;

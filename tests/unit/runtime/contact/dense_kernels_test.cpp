@@ -82,23 +82,23 @@ TEST(DenseKernels, ReflectsColumnsOntoATriangle) {
     const int columns = (rows + 1) / 2;
     const Eigen::MatrixXd matrix = Eigen::MatrixXd::Random(rows, columns);
     Eigen::MatrixXd factor = matrix;
-    Eigen::VectorXd diagonal(columns), half(columns);
+    Eigen::VectorXd diagonal(columns), scale(columns), cross(columns);
     for (int c = 0; c < columns; ++c)
-      ASSERT_TRUE(reflectColumn(factor.data(), rows, c, 1e-12, half.data(), diagonal[c]));
+      ASSERT_TRUE(reflectColumn(factor.data(), rows, c, 1e-12, scale.data(), cross.data(), diagonal[c]));
     for (int c = 0; c < columns; ++c) {
       Eigen::VectorXd column = Eigen::VectorXd::Zero(rows);
       column.head(c) = factor.col(c).head(c);
       column[c] = diagonal[c];
-      applyReflections(factor.data(), rows, columns, half.data(), column.data());
+      applyReflections(factor.data(), rows, columns, scale.data(), cross.data(), column.data());
       EXPECT_LT((column - matrix.col(c)).norm(), 1e-13) << rows;
     }
   }
   Eigen::MatrixXd dependent = Eigen::MatrixXd::Random(10, 3);
   dependent.col(2) = dependent.col(0) - 2 * dependent.col(1);
-  Eigen::VectorXd diagonal(3), half(3);
-  EXPECT_TRUE(reflectColumn(dependent.data(), 10, 0, 1e-12, half.data(), diagonal[0]));
-  EXPECT_TRUE(reflectColumn(dependent.data(), 10, 1, 1e-12, half.data(), diagonal[1]));
-  EXPECT_FALSE(reflectColumn(dependent.data(), 10, 2, 1e-12, half.data(), diagonal[2]));
+  Eigen::VectorXd diagonal(3), scale(3), cross(3);
+  EXPECT_TRUE(reflectColumn(dependent.data(), 10, 0, 1e-12, scale.data(), cross.data(), diagonal[0]));
+  EXPECT_TRUE(reflectColumn(dependent.data(), 10, 1, 1e-12, scale.data(), cross.data(), diagonal[1]));
+  EXPECT_FALSE(reflectColumn(dependent.data(), 10, 2, 1e-12, scale.data(), cross.data(), diagonal[2]));
 }
 
 }  // namespace
