@@ -68,7 +68,7 @@ void Impact::measureWork(const double *impulse, const double *velocities) {
 
 // What the end of an impact must satisfy however it was found: v⁺ = v⁻ + D Λ, no contact approaches, Λ_n ≥ 0 and ‖Λ_t‖ ≤ μ Λ_n (the
 // integral of forces within the cone is within it). Relative to the largest velocity, at least 1, all rows in the metric of D.
-void Impact::certify(const FrozenResult &result) {
+void Impact::certify(const FrozenResult &result, const std::vector<double> &impulse) {
   const int n = problem_.normalCount, count = problem_.count();
   const auto metric = [this](int r) { return problem_.delassus(r, r) > 0 ? std::sqrt(problem_.delassus(r, r)) : 1.0; };
   double scale = problem_.resolution / roundingOfVelocities, worst = 0;
@@ -77,18 +77,18 @@ void Impact::certify(const FrozenResult &result) {
     const double before = r < n ? problem_.normalVelocity[r] : problem_.slipVelocity[r - n], after = result.velocity[r];
     double change = 0;
     for (int c = 0; c < count; ++c)
-      change += problem_.delassus(r, c) * result.impulse[c];
+      change += problem_.delassus(r, c) * impulse[c];
     scale = std::max({scale, std::abs(before) / metric(r), std::abs(after) / metric(r)});
     include(std::abs(after - before - change) / metric(r));
     if (r < n)
-      include(std::max(-after / metric(r), -result.impulse[r] * metric(r)));
+      include(std::max(-after / metric(r), -impulse[r] * metric(r)));
   }
   for (int j = 0; j < problem_.tangentCount; ++j) {
     const int partner = problem_.partner[j], owner = problem_.owner[j];
     if (partner >= 0 && partner < j)
       continue;
-    const double size = partner < 0 ? std::abs(result.impulse[n + j]) : std::hypot(result.impulse[n + j], result.impulse[n + partner]);
-    include((size - problem_.friction[j] * result.impulse[owner]) * metric(n + j));
+    const double size = partner < 0 ? std::abs(impulse[n + j]) : std::hypot(impulse[n + j], impulse[n + partner]);
+    include((size - problem_.friction[j] * impulse[owner]) * metric(n + j));
   }
   worstResidual_ = std::max(worstResidual_, worst / scale);
 }
@@ -134,12 +134,14 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
                 : fmt::format("the impact of {} has no continuation that could be found", names);
     return false;
   }
-  certify(result);
-  measureWork(result.impulse.data(), state + model.nq);
-  rows_.accelerate(result.impulse.data(), state + model.nq);
+  total_ = result.impulse;
+  admissible_.choose(problem_, result.velocity, total_);
+  certify(result, total_);
+  measureWork(total_.data(), state + model.nq);
+  rows_.accelerate(total_.data(), state + model.nq);
   state[at_.tauIndex()] += result.duration;
   for (std::size_t i = 0; i < contacts.size(); ++i)
-    normalImpulse[contacts[i]] += result.impulse[i];
+    normalImpulse[contacts[i]] += total_[i];
   return true;
 }
 

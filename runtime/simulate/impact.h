@@ -1,6 +1,7 @@
 // Impacts: the frozen phase of all contacts with closed gap, applied to the velocities of a model (theory.md section 3).
 #pragma once
 
+#include "runtime/contact/admissible_impulse.h"
 #include "runtime/contact/frozen_phase.h"
 #include "runtime/contact/single_contact_phase.h"
 #include "runtime/contact/spatial_frozen_phase.h"
@@ -36,7 +37,7 @@ public:
 
 private:
   void measureWork(const double *impulse, const double *velocities);
-  void certify(const FrozenResult &result);
+  void certify(const FrozenResult &result, const std::vector<double> &impulse);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
   const FrozenResult &follow(const std::vector<int> &contacts, const std::vector<int> &forced);
 
@@ -44,6 +45,8 @@ private:
   RowSystem rows_;
   FrozenProblem problem_;
   SingleContactPhase singlePhase_;
+  AdmissibleImpulse admissible_;
+  std::vector<double> total_;  // impulse of the rows
   FrozenPhase phase_;
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;

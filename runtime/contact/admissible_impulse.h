@@ -1,0 +1,35 @@
+// Impulses of contacts that stick are not unique where the contacts are redundant: the motion needs only their sum. Each piece of an impact
+// has impulses within the cones (theory.md sections 3 and 6), so their sum has, too; the representative that the path was computed with
+// need not have. It is replaced by the least-norm one of those that do.
+#ifndef TF_RUNTIME_CONTACT_ADMISSIBLE_IMPULSE_H
+#define TF_RUNTIME_CONTACT_ADMISSIBLE_IMPULSE_H
+
+#include "runtime/contact/conic_forces.h"
+#include "runtime/contact/frozen_phase.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+class AdmissibleImpulse {
+public:
+  // `impulse` [n + m] is that of an impact with this problem. Contacts that slide at the end or have no impulse keep theirs. Nothing is
+  // changed where no impulse is outside its cone by more than rounding, or where no admissible one is found.
+  void choose(const FrozenProblem &problem, const std::vector<double> &velocity, std::vector<double> &impulse);
+
+private:
+  struct Friction {
+    int owner = 0, first = 0, second = -1;  // rows
+    double coefficient = 0;
+  };
+
+  void chooseRows(const FrozenProblem &problem, const std::vector<double> &velocity, const std::vector<double> &impulse);
+
+  std::vector<int> rows_;  // that may change, ascending
+  std::vector<Friction> frictions_;
+  ConicForces forces_;
+};
+
+}  // namespace tf::runtime
+
+#endif
