@@ -77,6 +77,9 @@ typedef struct tf_statistics {
   int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;
   double largest_normal_force;   /* over the same points: what the least one is measured against */
   int32_t redundant_constraints; /* constraint rows that follow from others, the most so far */
+  /* With tf_set_energy_balance: length of the steps inside which the motion could not be evaluated everywhere, so that work and loss by
+   * friction are estimated from the rest of them. */
+  double estimated_energy_time;
 } tf_statistics;
 
 typedef struct tf_simulation tf_simulation;

@@ -18,6 +18,12 @@ struct Check {
 
 std::string at(const char *what, const char *element, double value) { return fmt::format("{} of {:.3g} in '{}'", what, value, element); }
 
+std::string estimated(const tf_statistics &s) {
+  return s.estimated_energy_time > 0
+             ? fmt::format(", estimated over {} of time that could not be evaluated everywhere,", number(s.estimated_energy_time))
+             : "";
+}
+
 }  // namespace
 
 void reportInvariants(tf_simulation *simulation, double tolerance, Session &session) {
@@ -39,8 +45,8 @@ void reportInvariants(tf_simulation *simulation, double tolerance, Session &sess
                       positionRounding * std::max(1.0, constraint.nominal), s.worst_constraint_time});
   }
   if (model.nv > 0)
-    checks.push_back({fmt::format("largest error of {:.3g} in the energy balance", s.worst_energy_error), s.worst_energy_error,
-                      std::max(1e-7, 100 * tolerance), s.worst_energy_error_time});
+    checks.push_back({fmt::format("largest error of {:.3g} in the energy balance{}", s.worst_energy_error, estimated(s)),
+                      s.worst_energy_error, std::max(1e-7, 100 * tolerance), s.worst_energy_error_time});
   for (const Check &check : checks) {
     fmt::print(stderr, "{} at time = {}\n", check.text, number(check.time));
     if (!(check.violation <= check.allowed))

@@ -108,7 +108,7 @@ private:
         auxiliaryField(index, side == 0 ? "f_aux,n" + of : fmt::format("f_aux,n{} {} f_aux,t{}", of, side < 0 ? "-" : "+", of), side);
     addAlong(field.force, contact.normal, contact.rate);
     if (side != 0) {
-      const auto tangents = rows(contact.tangentFirst, contact.tangentCount);
+      const auto tangents = rows(contact.tangentFirst, contact.affineCount);
       const std::vector<NodeId> force = tangentForce(tangents, graph_.mul(contact.friction, contact.rate), side < 0);
       for (std::size_t k = 0; k < tangents.size(); ++k)
         addAlong(field.force, tangents[k].jacobian, force[k]);
@@ -122,7 +122,7 @@ private:
     Field field =
         auxiliaryField(index, fmt::format("{}f_aux,t[{}]{}", side < 0 ? "-" : "", direction + 1, nameSuffix(contact)), side, direction);
     const NodeId limit = graph_.mul(contact.friction, contact.rate);
-    addAlong(field.force, rows(contact.tangentFirst, contact.tangentCount)[static_cast<std::size_t>(direction)].jacobian,
+    addAlong(field.force, rows(contact.tangentFirst, contact.affineCount)[static_cast<std::size_t>(direction)].jacobian,
              side < 0 ? graph_.neg(limit) : limit);
     add(std::move(field), coefficient);
   }
@@ -131,7 +131,7 @@ private:
     const Contact &contact = system_.contacts[static_cast<std::size_t>(index)];
     addAuxiliary(index, 0, push);
     for (int k = 0; k < contact.tangentCount; ++k) {
-      const NodeId condition = rows(contact.tangentFirst, contact.tangentCount)[static_cast<std::size_t>(k)].slip;
+      const NodeId condition = rows(contact.tangentFirst, contact.affineCount)[static_cast<std::size_t>(k)].slip;
       const NodeId slip = addStep(StepRole::Slip, index, condition, fmt::format("slip of {} in direction {}", contact.name, k + 1), k);
       addDirection(index, k, -1, graph_.mul(push, slip));
       addDirection(index, k, 1, graph_.mul(push, opposite(slip)));
@@ -152,7 +152,7 @@ private:
     } else if (contact.frictionForm == TF_FRICTION_POLYHEDRAL) {
       addPolyhedralSlip(index, push);
     } else {
-      const NodeId condition = slipCondition(rows(contact.tangentFirst, contact.tangentCount), contact.slipRadius);
+      const NodeId condition = slipCondition(rows(contact.tangentFirst, contact.affineCount), contact.slipRadius);
       const NodeId slip = addStep(StepRole::Slip, index, condition, "slip of " + contact.name);
       const NodeId notSlip = opposite(slip);
       addAuxiliary(index, -1, graph_.mul(push, slip));
@@ -166,7 +166,7 @@ private:
   // form.
   void addFriction(int index) {
     const FrictionElement &friction = system_.frictions[static_cast<std::size_t>(index)];
-    const auto tangents = rows(friction.tangentFirst, friction.tangentCount);
+    const auto tangents = rows(friction.tangentFirst, friction.affineCount);
     const bool isPolyhedral = friction.frictionForm == TF_FRICTION_POLYHEDRAL;
     const std::size_t slips = isPolyhedral ? tangents.size() : 1, perSlip = tangents.size() / slips;
     for (std::size_t s = 0; s < slips; ++s) {

@@ -247,10 +247,10 @@ bool checkContacts(Derivation &derivation) {
       derivation.diagnostics.report(diag::ImmovableGap, spanOf(entry, "gap"), entry.name);
     if (graph[entry.law].op != ir::Op::Constant)
       derivation.diagnostics.report(diag::VaryingLaw, spanOf(entry, "law"), entry.name);
-    checkSlip(entry, entry.tangentFirst, entry.tangentCount());
+    checkSlip(entry, entry.tangentFirst, entry.affineCount());
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)
-    checkSlip(entry, entry.tangentFirst, entry.tangentCount());
+    checkSlip(entry, entry.tangentFirst, entry.affineCount());
   for (const ForceEntry &entry : derivation.elements.forces) {
     const auto isMoving = [](Symbol s) { return s.kind == SymbolKind::Coordinate; };
     if (std::ranges::none_of(entry.at, [&](NodeId at) { return ir::dependsOn(graph, at, isMoving); }))

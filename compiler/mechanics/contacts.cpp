@@ -30,7 +30,7 @@ void deriveTangents(Derivation &derivation) {
   ir::Graph &graph = system.graph;
   std::vector<NodeId> slips(static_cast<std::size_t>(derivation.elements.tangents), graph.constant(0));
   const auto collect = [&](const auto &entry) {
-    std::ranges::copy(entry.form.rows(graph, entry.slip), slips.begin() + entry.tangentFirst);
+    std::ranges::copy(entry.form.rows(graph, {entry.slip, entry.slipRadius}), slips.begin() + entry.tangentFirst);
   };
   std::ranges::for_each(derivation.elements.contacts, collect);
   std::ranges::for_each(derivation.elements.frictions, collect);
@@ -138,6 +138,7 @@ void deriveContacts(Derivation &derivation) {
     contact.normal = row(normals, k, columns);
     contact.tangentFirst = entry.tangentFirst;
     contact.tangentCount = entry.tangentCount();
+    contact.affineCount = entry.affineCount();
     contact.frictionForm = entry.form.kind;
     contact.slipRadius = entry.slipRadius;
     contact.friction = entry.friction;
@@ -149,7 +150,7 @@ void deriveContacts(Derivation &derivation) {
   }
   for (const FrictionEntry &entry : derivation.elements.frictions)
     system.frictions.push_back({entry.name, derivation.model.elements[static_cast<std::size_t>(entry.element)].span, entry.tangentFirst,
-                                entry.tangentCount(), entry.bound, entry.form.kind, entry.slipRadius});
+                                entry.tangentCount(), entry.bound, entry.form.kind, entry.slipRadius, entry.affineCount()});
   if (areFew(derivation))
     return;
   system.contactForce = contactForce(system);

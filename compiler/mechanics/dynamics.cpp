@@ -104,11 +104,11 @@ void deriveResidual(const Derivation &derivation, const std::vector<Inertial> &i
   std::vector<NodeId> gaps;
   for (const ContactEntry &contact : derivation.elements.contacts) {
     gaps.push_back(contact.gap);
-    addRows(contact.form.rows(graph, contact.slip), SymbolKind::TangentForce, contact.tangentFirst);
+    addRows(contact.form.rows(graph, {contact.slip, contact.slipRadius}), SymbolKind::TangentForce, contact.tangentFirst);
   }
   addRows(timeDerivative(system, gaps, AlongMotion::WithoutAcceleration), SymbolKind::NormalForce, 0);
   for (const FrictionEntry &friction : derivation.elements.frictions)
-    addRows(friction.form.rows(graph, friction.slip), SymbolKind::TangentForce, friction.tangentFirst);
+    addRows(friction.form.rows(graph, {friction.slip, friction.slipRadius}), SymbolKind::TangentForce, friction.tangentFirst);
   for (const ConstraintEntry &constraint : derivation.elements.constraints)
     addRows(ratesOf(system, constraint), SymbolKind::Multiplier, constraint.rowFirst);
   system.residual.clear();

@@ -233,10 +233,15 @@ Array ElementTable::forces(const flat::Expr &reference, SymbolKind kind, Rows ro
     own.reserve(static_cast<std::size_t>(rows.perEntry));
     for (int k = 0; k < rows.perEntry; ++k)
       own.push_back(graph_.symbol(kind, rows.first + position * rows.perEntry + k));
-    const std::vector<NodeId> components = form.components(graph_, own);
+    const std::vector<NodeId> components =
+        kind == SymbolKind::TangentForce && rows.perEntry > 0 ? form.components(graph_, slipOf(reference.element, position), own) : own;
     result.nodes.insert(result.nodes.end(), components.begin(), components.end());
   }
   return result;
+}
+
+FrictionForm::Slip ElementTable::slipOf(flat::ElementId id, int position) {
+  return {slice(id, "slip", position), scalar(id, "slipRadius", position)};
 }
 
 // Rates of the place or angle, or the angular velocity in the body's frame.

@@ -44,6 +44,7 @@ struct ContactEntry : ElementEntry {
   FrictionForm form;
 
   [[nodiscard]] int tangentCount() const { return form.rowCount(static_cast<int>(slip.size())); }
+  [[nodiscard]] int affineCount() const { return form.affineCount(static_cast<int>(slip.size())); }
 };
 
 struct ConstraintEntry : ElementEntry {
@@ -59,6 +60,7 @@ struct FrictionEntry : ElementEntry {
   FrictionForm form;
 
   [[nodiscard]] int tangentCount() const { return form.rowCount(static_cast<int>(slip.size())); }
+  [[nodiscard]] int affineCount() const { return form.affineCount(static_cast<int>(slip.size())); }
 };
 
 struct Elements {
@@ -105,6 +107,7 @@ private:
   [[nodiscard]] equations::Array result(const flat::Expr &reference);
   [[nodiscard]] equations::Array forces(const flat::Expr &reference, ir::SymbolKind kind, Rows rows);
   [[nodiscard]] ir::NodeId kineticEnergy(flat::ElementId id, int position, Span span);
+  [[nodiscard]] FrictionForm::Slip slipOf(flat::ElementId id, int position);
   [[nodiscard]] ir::NodeId power(flat::ElementId id, int position, Span span);
 
   const flat::FlatModel &model_;

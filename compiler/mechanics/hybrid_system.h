@@ -50,6 +50,7 @@ struct Contact {
   double nominal = 1;
   int frictionForm = 0;        // enum tf_friction_form
   ir::NodeId slipRadius = -1;  // of a relaxed form
+  int affineCount = 0;         // of its rows, from the first: those of printed forms
 };
 
 struct FrictionElement {
@@ -59,6 +60,7 @@ struct FrictionElement {
   ir::NodeId bound = -1;
   int frictionForm = 0;
   ir::NodeId slipRadius = -1;
+  int affineCount = 0;
 };
 
 struct ConstraintRow {

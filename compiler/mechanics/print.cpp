@@ -174,7 +174,7 @@ private:
     out_ += fmt::format("\ncontact {}: 0 <= gap, 0 <= normalForce, gap*normalForce = 0\n", one.name);
     out_ += fmt::format("  gap = {}\n  gap' = {}\n", text(one.gap), text(one.gapRate));
     out_ += fmt::format("  gap'' = Jn v' + {},  Jn = {}\n", text(one.bias), row(one.normal));
-    tangents(one.tangentFirst, one.tangentCount);
+    tangents(one.tangentFirst, one.affineCount);
     if (one.tangentCount > 0)
       out_ += fmt::format("  |frictionForce| <= mu*normalForce against the slip{},  mu = {}\n", formText(one), text(one.friction));
     out_ +=
@@ -183,7 +183,7 @@ private:
 
   void friction(const FrictionElement &one) {
     out_ += fmt::format("\nfriction {}: |force| <= bound against the slip{}\n", one.name, formText(one));
-    tangents(one.tangentFirst, one.tangentCount);
+    tangents(one.tangentFirst, one.affineCount);
     out_ += fmt::format("  bound = {}\n", text(one.bound));
   }
 
@@ -227,6 +227,18 @@ private:
   std::string out_;
 };
 
+// Of a row that is no result of its own: of a direction of a polyhedral form, or along a relaxed slip.
+std::string rowForceName(const HybridSystem &system, int row) {
+  std::string name;
+  const auto look = [&](const auto &element) {
+    if (row >= element.tangentFirst && row < element.tangentFirst + element.tangentCount)
+      name = fmt::format("{}.lt[{}]", element.name, row - element.tangentFirst + 1);
+  };
+  std::ranges::for_each(system.contacts, look);
+  std::ranges::for_each(system.frictions, look);
+  return name;
+}
+
 }  // namespace
 
 std::string HybridSystem::symbolName(ir::Symbol symbol) const {
@@ -234,6 +246,8 @@ std::string HybridSystem::symbolName(ir::Symbol symbol) const {
   for (const Quantity &quantity : quantities)
     if (quantity.kind == kind && quantity.index == symbol.index)
       return quantity.name;
+  if (symbol.kind == SymbolKind::TangentForce)
+    return rowForceName(*this, symbol.index);
   return fmt::format("?{}[{}]", static_cast<int>(symbol.kind), symbol.index);
 }
 

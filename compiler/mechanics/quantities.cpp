@@ -243,12 +243,12 @@ void QuantityTable::addBody(const BodyEntry &body, const flat::Element &element)
               velocity[k], "m/s", "velocity of " + body.name, element.span);
 }
 
-// Slips and forces of the components: those of the rows, or what the rows of a polyhedral form add up to.
+// Slips and forces of the components: those of the rows, or what the rows of another form than the exact one add up to.
 template <class Entry> void QuantityTable::addTangentRows(const Entry &entry, const char *force, const char *slip) {
   const flat::Element &element = d_.model.elements[static_cast<std::size_t>(entry.element)];
   const std::size_t count = entry.slip.size();
   const bool isScalar = count == 1 && element.find("slip")->value->type.dims.size() == element.dims.size();
-  const bool isPolyhedral = entry.form.kind == TF_FRICTION_POLYHEDRAL;
+  const bool hasOwnRows = entry.form.kind != TF_FRICTION_EXACT;
   std::vector<NodeId> rowForces;
   rowForces.reserve(static_cast<std::size_t>(entry.tangentCount()));
   for (int k = 0; k < entry.tangentCount(); ++k)
@@ -257,23 +257,25 @@ template <class Entry> void QuantityTable::addTangentRows(const Entry &entry, co
     for (std::size_t k = 0; k < count; ++k) {
       std::string name = equations::elementName(entry.name + "." + result,
                                                 isScalar ? std::vector<int>{} : std::vector{static_cast<int>(count)}, static_cast<int>(k));
-      if (isPolyhedral)
+      if (hasOwnRows)
         addOutput(std::move(name), nodes[k], unit, description + entry.name, element.span);
       else
         add(std::move(name), kind, entry.tangentFirst + static_cast<int>(k), unit, description + entry.name, element.span);
     }
   };
-  addAll(force, TF_KIND_TANGENT_FORCE, entry.form.components(system_.graph, rowForces), "N", "friction force of ");
+  addAll(force, TF_KIND_TANGENT_FORCE, entry.form.components(system_.graph, {entry.slip, entry.slipRadius}, rowForces), "N",
+         "friction force of ");
   addAll(slip, TF_KIND_SLIP, entry.slip, "m/s", "slip velocity of ");
 }
 
-// Of the planar rows: a slip of one component, or each direction of a polyhedral form. `name` has the number after it where there are
-// several.
+// Of the planar rows: a slip of one component, each direction of a polyhedral form, the edge of a relaxed one. `name` has the number after
+// it where there are several.
 template <class Entry> void QuantityTable::addSlipSteps(const Entry &entry, const std::string &name, int firstNumber) {
   const flat::Element &element = d_.model.elements[static_cast<std::size_t>(entry.element)];
-  for (int k = 0; k < entry.tangentCount(); ++k)
-    add(firstNumber == 0 && entry.tangentCount() == 1 ? name : fmt::format("{}[{}]", name, std::max(firstNumber, 1) + k), TF_KIND_SLIP_STEP,
-        entry.tangentFirst + k, "", "step variable of the slip of " + entry.name, element.span);
+  const int first = entry.form.stickRow(), count = entry.tangentCount() - first;
+  for (int k = 0; k < count; ++k)
+    add(firstNumber == 0 && count == 1 ? name : fmt::format("{}[{}]", name, std::max(firstNumber, 1) + k), TF_KIND_SLIP_STEP,
+        entry.tangentFirst + first + k, "", "step variable of the slip of " + entry.name, element.span);
 }
 
 void QuantityTable::addElement(const flat::Element &element, flat::ElementId id) {
@@ -297,12 +299,13 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
     addTangentRows(contact, "frictionForce", "slip");
     add(contact.name + ".closed", TF_KIND_CLOSED, index, "", contact.name + " is closed", element.span).flags |= TF_BOOLEAN;
     if (!contact.slip.empty())
-      add(contact.name + ".sticking", TF_KIND_STICKING, contact.tangentFirst, "", contact.name + " sticks", element.span).flags |=
-          TF_BOOLEAN;
+      add(contact.name + ".sticking", TF_KIND_STICKING, contact.tangentFirst + contact.form.stickRow(), "", contact.name + " sticks",
+          element.span)
+          .flags |= TF_BOOLEAN;
     add(contact.name + ".alpha[1]", TF_KIND_GAP_STEP, index, "", "step variable of the gap of " + contact.name, element.span);
     add(contact.name + ".alpha[2]", TF_KIND_GAP_RATE_STEP, index, "", "step variable of the gap's rate of " + contact.name, element.span);
     const bool isPlanar = contact.slip.size() == 1;
-    if (isPlanar || contact.form.kind == TF_FRICTION_POLYHEDRAL)
+    if (isPlanar || contact.form.kind != TF_FRICTION_EXACT)
       addSlipSteps(contact, contact.name + ".alpha", 3);
     if (isPlanar) {
       add(contact.name + ".theta[1]", TF_KIND_THETA_BACKWARD, contact.tangentFirst, "",
@@ -320,10 +323,11 @@ void QuantityTable::addElement(const flat::Element &element, flat::ElementId id)
   for (const FrictionEntry &friction : d_.elements.frictions)
     if (isOurs(friction)) {
       addTangentRows(friction, "force", "slip");
-      if (friction.slip.size() == 1 || friction.form.kind == TF_FRICTION_POLYHEDRAL)
+      if (friction.slip.size() == 1 || friction.form.kind != TF_FRICTION_EXACT)
         addSlipSteps(friction, friction.name + ".alpha", 0);
-      add(friction.name + ".sticking", TF_KIND_STICKING, friction.tangentFirst, "", friction.name + " sticks", element.span).flags |=
-          TF_BOOLEAN;
+      add(friction.name + ".sticking", TF_KIND_STICKING, friction.tangentFirst + friction.form.stickRow(), "", friction.name + " sticks",
+          element.span)
+          .flags |= TF_BOOLEAN;
     }
 }
 

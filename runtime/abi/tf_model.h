@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 5u
+#define TF_ABI_VERSION 6u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -122,13 +122,23 @@ enum tf_impact_law { TF_LAW_POISSON = 0, TF_LAW_STRONGE = 1, TF_LAW_NEWTON = 2 }
 /* How a slip of two components is opposed. */
 enum tf_friction_form {
   TF_FRICTION_EXACT = 0,     /* its two rows share the disk |lt| <= limit */
-  TF_FRICTION_RELAXED = 1,   /* as well, with the disk |slip| <= slip radius in place of slip = 0; not simulated */
+  TF_FRICTION_RELAXED = 1,   /* with c3 = |slip| - slip radius, see below */
   TF_FRICTION_POLYHEDRAL = 2 /* rows along several directions, each |lt| <= limit on its own */
 };
 
+/* The rows of a relaxed form: the two components of the slip, which take part in impacts only, as those of the exact form, and two that
+   take part while time runs, each |lt| <= limit on its own. With s = |slip| - radius outside of the disk, (slip^2 - radius^2)/(2 radius)
+   inside, which are not affine in v as all others are: steady (s + radius), which is positive, and edge s. Their forces add up to limit
+   outside, against the slip, and to (edge - steady) limit at the edge inside, along it. */
+#define TF_RELAXED_ROWS 4
+#define TF_RELAXED_STEADY_ROW 2
+#define TF_RELAXED_EDGE_ROW 3
+#define TF_RELAXED_STEADY 0.4999995
+#define TF_RELAXED_EDGE 0.5000005
+
 typedef struct tf_contact {
   const char *name;
-  int32_t tangent_first, tangent_count; /* its tangential rows: 0, 1 or 2, or the directions of a polyhedral form */
+  int32_t tangent_first, tangent_count; /* its tangential rows: 0, 1 or 2, 4 of a relaxed form, or the directions of a polyhedral one */
   int32_t friction_form;                /* enum tf_friction_form; TF_FRICTION_EXACT of slips of one component */
   int32_t law;                          /* enum tf_impact_law */
   double nominal;                       /* length scale of the gap */

@@ -10,10 +10,10 @@
 namespace tf::runtime {
 
 ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
-    : at_(evaluation), slips_(evaluation), projection_(evaluation, rows_, problem_), isPaired_(evaluation.model().nt),
-      mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns), change_(evaluation.model().nv),
-      constraintChange_(evaluation.model().nh), plus_(evaluation.stateSize()), minus_(evaluation.stateSize()),
-      shifted_(evaluation.stateSize()) {
+    : at_(evaluation), slips_(evaluation), projection_(evaluation, rows_, problem_), roles_(rolesOfTangents(evaluation.model())),
+      isPaired_(evaluation.model().nt), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
+      change_(evaluation.model().nv), constraintChange_(evaluation.model().nh), plus_(evaluation.stateSize()),
+      minus_(evaluation.stateSize()), shifted_(evaluation.stateSize()) {
   const std::vector<int> pair = pairsOfTangents(evaluation.model());
   for (std::size_t j = 0; j < pair.size(); ++j)
     isPaired_[j] = pair[j] >= 0;
@@ -304,13 +304,21 @@ bool ModeDynamics::stop(double time, double *state) {
   return true;
 }
 
+bool ModeDynamics::holdsEdge() const {
+  return std::any_of(rows_.tangents().begin(), rows_.tangents().end(),
+                     [this](int row) { return roles_[row] == TangentRole::Edge && mode_.tangent[row] == Tangent::Stick; });
+}
+
 double ModeDynamics::frictionPower() {
   double power = 0;
   if (rows_.tangents().empty())
     return power;
   at_.switching(ModelEvaluation::Slips);
   for (const int row : rows_.tangents())
-    power += at_.tangentForce[row] * at_.slip[row];
+    if (roles_[row] == TangentRole::Steady)
+      power += relaxedFrictionPower(at_.tangentForce.data() + row, at_.slip.data() + row);
+    else if (roles_[row] == TangentRole::Always)
+      power += at_.tangentForce[row] * at_.slip[row];
   return power;
 }
 

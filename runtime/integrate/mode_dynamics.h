@@ -119,6 +119,8 @@ public:
   [[nodiscard]] int slipRow(int guard) const { return slips_.modelRow(guards_[guard].index); }
   [[nodiscard]] bool launches() const { return slips_.launches(); }
   [[nodiscard]] bool hasLaunched() const { return slips_.haveLaunched(); }
+  // A relaxed slip stays on the edge of its disk, where it turns within slipRadius/acceleration: stiff for any integrator that is not.
+  [[nodiscard]] bool holdsEdge() const;
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }
@@ -155,6 +157,7 @@ private:
   bool isComplete_ = false;  // and forces_
   SlipDirections slips_;
   Projection projection_;
+  std::vector<TangentRole> roles_;                  // nt
   std::vector<std::uint8_t> isPaired_;              // nt
   std::vector<std::uint8_t> nothingStops_, stops_;  // tangential rows
   std::vector<std::uint8_t> mask_, slidingMask_;

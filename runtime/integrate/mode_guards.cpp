@@ -22,7 +22,8 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
   }
   for (int j = 0; j < model.nt; ++j)
-    if (!isPaired_[j] && (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative))
+    if (!isPaired_[j] && roles_[j] != TangentRole::Steady &&
+        (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative))
       guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
   for (int k = 0; k < slips_.count(); ++k)
     guards_.push_back({GuardKind::SlipAlong, k, 1, slips_.rounding() / 1e-12});

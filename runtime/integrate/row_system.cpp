@@ -7,25 +7,6 @@
 
 namespace tf::runtime {
 
-std::vector<int> contactsOfTangents(const tf_model &model) {
-  std::vector<int> owner(model.nt, -1);
-  for (int i = 0; i < model.nc; ++i)
-    for (int k = 0; k < model.contacts[i].tangent_count; ++k)
-      owner[model.contacts[i].tangent_first + k] = i;
-  return owner;
-}
-
-std::vector<int> pairsOfTangents(const tf_model &model) {
-  std::vector<int> pair(model.nt, -1);
-  const auto mark = [&pair](const auto &element) {
-    for (int k = 0; sharesDisk(element) && k < 2; ++k)
-      pair[element.tangent_first + k] = element.tangent_first;
-  };
-  std::for_each_n(model.contacts, model.nc, mark);
-  std::for_each_n(model.frictions, model.nf, mark);
-  return pair;
-}
-
 void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem) {
   contacts_ = contacts;
   tangents_ = tangents;

@@ -6,6 +6,7 @@
 #include "runtime/contact/contact_problem.h"
 #include "runtime/integrate/dot.h"
 #include "runtime/integrate/model_evaluation.h"
+#include "runtime/integrate/tangent_roles.h"
 
 #include <vector>
 
@@ -101,16 +102,5 @@ private:
   mutable std::vector<double> panelForce_;
   mutable std::vector<double> sum_;  // workspaces: nv
 };
-
-// Tangential row of the model that the slip with two components begins with which `row` belongs to; −1 for a slip of one component.
-[[nodiscard]] std::vector<int> pairsOfTangents(const tf_model &model);
-
-// The tangential rows of a contact or friction element are the two components of one slip, with one disk of friction forces.
-template <class Element> [[nodiscard]] bool sharesDisk(const Element &element) {
-  return element.tangent_count == 2 && element.friction_form != TF_FRICTION_POLYHEDRAL;
-}
-
-// Contact of a tangential row of the model, −1 for a row of a friction element.
-[[nodiscard]] std::vector<int> contactsOfTangents(const tf_model &model);
 
 }  // namespace tf::runtime

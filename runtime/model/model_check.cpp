@@ -152,7 +152,8 @@ Outcome<void> checkElements(const tf_model &model) {
       return damaged("an element has no name");
     if (form < TF_FRICTION_EXACT || form > TF_FRICTION_POLYHEDRAL)
       return damaged(fmt::format("'{}' has the friction form {}", name, form));
-    if (count < least || (count > 2 && form != TF_FRICTION_POLYHEDRAL) || count > model.nt - row || first != row)
+    const bool fits = form == TF_FRICTION_RELAXED ? count == TF_RELAXED_ROWS : count <= 2 || form == TF_FRICTION_POLYHEDRAL;
+    if (count < least || !fits || count > model.nt - row || first != row)
       return damaged(fmt::format("'{}' has {} tangential rows from row {}", name, count, first));
     row += count;
     return {};

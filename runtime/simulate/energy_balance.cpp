@@ -11,6 +11,7 @@ namespace {
 // Gauss–Legendre quadrature with four points on [0, 1], order 8.
 constexpr std::array<double, 4> nodes = {0.069431844202973712, 0.330009478207571868, 0.669990521792428132, 0.930568155797026288};
 constexpr std::array<double, 4> weights = {0.173927422568726929, 0.326072577431273071, 0.326072577431273071, 0.173927422568726929};
+constexpr double smallestWeight = weights.front();
 
 }  // namespace
 
@@ -34,6 +35,7 @@ void EnergyBalance::start(double time, const double *state) {
 
 void EnergyBalance::addStep(SmoothIntegrator &integrator) {
   const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
+  double known = 0, loss = 0, work = 0;  // weights of the points that count, and the means there
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const double time = begin + nodes[k] * length;
     integrator.interpolate(time, state_.data());
@@ -41,10 +43,17 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator) {
       continue;
     const Energy energy = energyAt(time, state_.data());
     const double friction = dynamics_.frictionPower();
-    totals_.frictionLoss -= weights[k] * length * friction;
-    totals_.work += weights[k] * length * (energy.power + dynamics_.reactionPower() - friction);
+    known += weights[k];
+    loss -= weights[k] * friction;
+    work += weights[k] * (energy.power + dynamics_.reactionPower() - friction);
     note(energy);
   }
+  if (known > 0) {
+    totals_.frictionLoss += length * loss / known;
+    totals_.work += length * work / known;
+  }
+  if (known < 1 - smallestWeight / 2)
+    totals_.estimatedTime += length;
 }
 
 void EnergyBalance::addImpact(double time, const double *before, const double *after, double boundaryWork) {

@@ -12,8 +12,10 @@ namespace tf::runtime {
 struct EnergyTotals {
   double frictionLoss = 0;  // −∫ λ_t · slip dt
   double impactLoss = 0;
-  double work = 0;     // of applied forces, moving boundaries and time-dependent constraints
-  double start = 0;    // kinetic + potential energy at the start
+  double work = 0;   // of applied forces, moving boundaries and time-dependent constraints
+  double start = 0;  // kinetic + potential energy at the start
+  // Length of the steps with points at which the motion cannot be evaluated: the others stand for these, and nothing where there are none.
+  double estimatedTime = 0;
   double largest = 1;  // kinetic or potential energy seen so far
 };
 

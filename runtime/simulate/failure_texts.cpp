@@ -14,8 +14,18 @@ std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN
 
 std::string at(const tf_location &location) { return fmt::format("({}:{})", location.file != nullptr ? location.file : "", location.line); }
 
-std::string relaxed(const tf_location &location) {
-  return fmt::format("has FrictionForm.Relaxed, which is in the printed forms only: a run needs .Exact or .Polyhedral {}", at(location));
+// Disks whose radius the selection of modes could take for zero.
+constexpr double leastSlipRadius = 1e-9;
+
+// `slips`: of the element's rows.
+template <class Element> std::string slipRadius(std::string_view kind, const Element &element, const double *slips) {
+  if (element.friction_form != TF_FRICTION_RELAXED)
+    return {};
+  const double radius = relaxedSlipRadius(slips + element.tangent_first + TF_RELAXED_STEADY_ROW);
+  if (radius >= leastSlipRadius)
+    return {};
+  return fmt::format("{} '{}' has slipRadius {:.4g}; a run needs {:.4g} or more {}", kind, element.name, radius, leastSlipRadius,
+                     at(element.location));
 }
 
 }  // namespace
@@ -28,18 +38,40 @@ std::string FailureTexts::contactParameters() {
                          at(contact.location));
     if (!(at_.rate[i] > 0))
       return fmt::format("contact '{}' has rate {}; it must be positive {}", contact.name, at_.rate[i], at(contact.location));
-    if (contact.friction_form == TF_FRICTION_RELAXED)
-      return fmt::format("contact '{}' {}", contact.name, relaxed(contact.location));
   }
+  return {};
+}
+
+std::string FailureTexts::slipRadii() {
+  at_.switching(ModelEvaluation::Slips);
+  std::string text;
+  for (int i = 0; i < model_.nc && text.empty(); ++i)
+    text = slipRadius("contact", model_.contacts[i], at_.slip.data());
+  for (int i = 0; i < model_.nf && text.empty(); ++i)
+    text = slipRadius("friction element", model_.frictions[i], at_.slip.data());
+  return text;
+}
+
+// Differences of functions would have to be taken within the disk.
+std::string FailureTexts::relaxedSensitivities() const {
+  const auto text = [](std::string_view kind, const auto &element) {
+    return fmt::format("sensitivities need FrictionForm.Exact or .Polyhedral, but {} '{}' has .Relaxed {}", kind, element.name,
+                       at(element.location));
+  };
+  for (int i = 0; i < model_.nc; ++i)
+    if (model_.contacts[i].friction_form == TF_FRICTION_RELAXED)
+      return text("contact", model_.contacts[i]);
   for (int i = 0; i < model_.nf; ++i)
     if (model_.frictions[i].friction_form == TF_FRICTION_RELAXED)
-      return fmt::format("friction element '{}' {}", model_.frictions[i].name, relaxed(model_.frictions[i].location));
+      return text("friction element", model_.frictions[i]);
   return {};
 }
 
 std::string FailureTexts::contactsAtStart(double time, const double *state) {
   at_.setPoint(time, state);
   if (std::string text = negativeFriction(); !text.empty())
+    return text;
+  if (std::string text = slipRadii(); !text.empty())
     return text;
   at_.switching(ModelEvaluation::Gaps);
   for (int i = 0; i < model_.nc; ++i) {

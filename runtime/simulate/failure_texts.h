@@ -15,10 +15,12 @@ public:
       : model_(instance.model()), at_(dynamics.model()), dynamics_(dynamics), instance_(instance) {}
 
   // Each is empty where nothing is wrong.
-  // Restitution, rate and form of friction of the elements at the parameters.
+  // Restitution and rate of contacts at the parameters.
   std::string contactParameters();
-  // Gaps, friction coefficients and bounds at the start (time, state).
+  // Gaps, friction coefficients, bounds and radii of relaxed slips at the start (time, state).
   std::string contactsAtStart(double time, const double *state);
+  // The first contact or friction element with relaxed friction, which sensitivities do not go through.
+  [[nodiscard]] std::string relaxedSensitivities() const;
   // Start values [q, v, z] that are not finite.
   [[nodiscard]] std::string startValues(const double *state) const;
   // The first contact or friction element whose coefficient or bound is negative at the evaluation's point.
@@ -29,6 +31,7 @@ public:
   std::string evaluation();
 
 private:
+  std::string slipRadii();
   std::string nonFinite();
   std::string nonFiniteConstraint();
   [[nodiscard]] std::string place(tf_kind kind, int index) const;

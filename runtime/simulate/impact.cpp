@@ -27,7 +27,7 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
   std::vector<int> tangents;
   for (int i : contacts)
     for (int k = 0; k < model.contacts[i].tangent_count; ++k)
-      if (at_.friction[i] > 0)
+      if (at_.friction[i] > 0 && takesPartInImpacts(roles_[model.contacts[i].tangent_first + k]))
         tangents.push_back(model.contacts[i].tangent_first + k);
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);

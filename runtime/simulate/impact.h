@@ -15,7 +15,8 @@ namespace tf::runtime {
 
 class Impact {
 public:
-  explicit Impact(ModelEvaluation &evaluation) : at_(evaluation), mask_(evaluation.model().nc + evaluation.model().nf) {}
+  explicit Impact(ModelEvaluation &evaluation)
+      : at_(evaluation), roles_(rolesOfTangents(evaluation.model())), mask_(evaluation.model().nc + evaluation.model().nf) {}
 
   // Whether the impacts that follow have restitution.
   void setElastic(bool elastic) { elastic_ = elastic; }
@@ -42,6 +43,7 @@ private:
   const FrozenResult &follow(const std::vector<int> &contacts, const std::vector<int> &forced);
 
   ModelEvaluation &at_;
+  std::vector<TangentRole> roles_;  // nt
   RowSystem rows_;
   FrozenProblem problem_;
   SingleContactPhase singlePhase_;

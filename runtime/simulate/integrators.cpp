@@ -64,6 +64,8 @@ void Integrators::make(const SimulationOptions &options) {
 void Integrators::useForNewMode() {
   if (launch_ && dynamics_.launches())
     use(*launch_, IntegratorReason::Launch);
+  else if (launch_ && wanted_ != TF_CVODE && dynamics_.holdsEdge())
+    use(*launch_, IntegratorReason::Stiffness);
   else
     use(*primary_, IntegratorReason::Primary);
 }

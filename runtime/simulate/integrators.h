@@ -40,7 +40,7 @@ public:
   // CVODE starts with steps of low order, which low bounces would consist of. Null: the primary one is as good.
   [[nodiscard]] SmoothIntegrator *forLowBounces() { return bounces_.get(); }
   // The slips that the current one was chosen for are no longer small.
-  [[nodiscard]] bool launchIsOver() const { return current_ == launch_.get() && dynamics_.hasLaunched(); }
+  [[nodiscard]] bool launchIsOver() const { return current_ == launch_.get() && dynamics_.hasLaunched() && !dynamics_.holdsEdge(); }
   // To take over where the current one cannot meet the tolerance; null: there is none.
   [[nodiscard]] SmoothIntegrator *afterFailure();
   // To take over where stability limits the steps of the current one; null: there is none.

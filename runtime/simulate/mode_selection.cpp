@@ -9,7 +9,8 @@ namespace tf::runtime {
 
 ModeSelection::ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances)
     : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), contactOf_(contactsOfTangents(at_.model())),
-      candidates_(at_.model().nc), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()), freeAcceleration_(at_.model().nv) {}
+      roles_(rolesOfTangents(at_.model())), candidates_(at_.model().nc), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()),
+      freeAcceleration_(at_.model().nv) {}
 
 double ModeSelection::velocityTolerance(const double *state) const {
   const tf_model &model = at_.model();
@@ -31,6 +32,82 @@ std::vector<int> ModeSelection::touching(double time, const double *state, bool 
     if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && (!approaching || at_.gapRate[i] < -tolerance))
       contacts.push_back(i);
   return contacts;
+}
+
+// Gaps, slips and constraints may depend on switches of time, whose conditions may depend on other switches in turn.
+void ModeSelection::setStepVariables(double time, const double *state, const Mode &previous, SwitchHint hint) {
+  const tf_model &model = at_.model();
+  if (model.ns == 0)
+    return;
+  std::vector<std::uint8_t> ofTime(model.ns);
+  for (int j = 0; j < model.ns; ++j)
+    ofTime[j] = model.switches[j].kind == TF_SWITCH_TIME;
+  at_.setPoint(time, state);
+  bool changes = true;
+  for (int pass = 0; pass <= model.ns && changes; ++pass) {
+    changes = false;
+    at_.switching(ModelEvaluation::Conditions);
+    at_.switchGradients(ofTime.data());
+    for (int j = 0; j < model.ns; ++j) {
+      const bool slides = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
+      if (slides && hint.index != j)
+        continue;
+      const double value = sideOf(j, hint) == Switch::One ? 1 : 0;
+      changes = changes || at_.stepVariable[j] != value;
+      at_.stepVariable[j] = value;
+    }
+  }
+}
+
+// What a switch of time has moved at once by more than any tolerance: a boundary into a body, a constraint or its velocity.
+std::string ModeSelection::jump(const double *state) {
+  constexpr double clear = 1e-6;
+  const tf_model &model = at_.model();
+  if (std::none_of(model.switches, model.switches + model.ns, [](const tf_switch &one) { return one.kind == TF_SWITCH_TIME; }))
+    return {};
+  const auto line = [](const tf_location &at) { return fmt::format("({}:{})", at.file != nullptr ? at.file : "", at.line); };
+  for (int i = 0; i < model.nc; ++i)
+    if (const tf_contact &contact = model.contacts[i]; at_.gap[i] < -clear * std::max(1.0, contact.nominal))
+      return fmt::format("the gap of contact '{}' jumps to {:.6g} {}", contact.name, at_.gap[i], line(contact.location));
+  if (model.nh == 0)
+    return {};
+  const double slow = clear / tolerances_.velocity * velocityTolerance(state);
+  at_.constraintResiduals();
+  for (int k = 0; k < model.nk; ++k) {
+    const tf_constraint &constraint = model.constraints[k];
+    for (int row = constraint.row_first; row < constraint.row_first + constraint.row_count; ++row)
+      if (const double error = constraint.holonomic ? at_.residual[row] : 0; std::abs(error) > clear * std::max(1.0, constraint.nominal))
+        return fmt::format("the residual of constraint '{}' jumps to {:.6g} {}", constraint.name, error, line(constraint.location));
+      else if (const double rate = at_.residualRate[row]; std::abs(rate) > slow)
+        return fmt::format("the velocity of constraint '{}' jumps by {:.6g}, which only contacts may {}", constraint.name, std::abs(rate),
+                           line(constraint.location));
+  }
+  return {};
+}
+
+// The first contact that touches and has a negative coefficient.
+std::string ModeSelection::negativeFriction() const {
+  const tf_model &model = at_.model();
+  for (int i = 0; i < model.nc; ++i)
+    if (candidates_[i] && at_.friction[i] < 0)
+      return fmt::format("the friction coefficient of contact '{}' is {:.6g}, it cannot be negative ({}:{})", model.contacts[i].name,
+                         at_.friction[i], model.contacts[i].location.file != nullptr ? model.contacts[i].location.file : "",
+                         model.contacts[i].location.line);
+  return {};
+}
+
+// On its surface a switch of time has the side to which time goes, any other one the relation as written.
+Switch ModeSelection::sideOf(int j, SwitchHint hint) const {
+  const tf_switch &one = at_.model().switches[j];
+  if (hint.index == j)
+    return hint.value;
+  if (std::abs(at_.condition[j]) > tolerances_.condition)
+    return at_.condition[j] > 0 ? Switch::One : Switch::Zero;
+  const int columns = at_.columns();
+  const double slope = one.kind == TF_SWITCH_TIME ? at_.conditionGradient[static_cast<std::size_t>(j) * columns + columns - 1] : 0;
+  if (slope != 0)
+    return slope > 0 ? Switch::One : Switch::Zero;
+  return one.zero_is_positive != 0 ? Switch::One : Switch::Zero;
 }
 
 // Off its surface a switch has the sign of c. On it, the order of preference is: what the event says, the relation as written, the
@@ -78,14 +155,16 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   at_.setPoint(time, state);
   at_.contactTerms(mask_.data());
   for (int j = 0; j < model.nt; ++j)
-    if (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && at_.friction[contactOf_[j]] > 0))
+    if (takesPartInMotion(roles_[j]) && (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && at_.friction[contactOf_[j]] > 0)))
       tangents.push_back(j);
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);
   rates_.resize(problem_.normalCount, problem_.tangentCount);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const double slip = at_.slip[tangents[j]];
-    if (problem_.partner[j] < 0) {
+    if (roles_[tangents[j]] == TangentRole::Steady) {
+      problem_.slipSign[j] = 1;
+    } else if (problem_.partner[j] < 0) {
       problem_.slipSign[j] = slip > velocityTolerance ? 1 : slip < -velocityTolerance ? -1 : 0;
     } else if (problem_.partner[j] > static_cast<int>(j)) {
       const double other = at_.slip[tangents[j + 1]], speed = std::hypot(slip, other);
@@ -139,11 +218,13 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   if (!at_.dynamics())
     return Trial::Failed;
   redundant_ = false;
+  at_.contactTerms(mask_.data());
+  if (text_ = negativeFriction(); !text_.empty())
+    return Trial::Failed;
   if (rows_.count() == 0) {
     writeMode(previousContacts_);
     return Trial::Consistent;
   }
-  at_.contactTerms(mask_.data());
   rows_.assemble(at_, problem_.delassus, problem_);
   at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration_.data());
   rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
@@ -269,8 +350,13 @@ Selection ModeSelection::select(double time, const double *state, const Mode &pr
   Selection result;
   const tf_model &model = at_.model();
   text_.clear();
+  setStepVariables(time, state, previous, hint);
   at_.setPoint(time, state);
   at_.switching();
+  if (std::string text = jump(state); !text.empty()) {
+    result.text = std::move(text);
+    return result;
+  }
   const double velocityTolerance = this->velocityTolerance(state);
   for (int i = 0; i < model.nc; ++i)
     if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && at_.gapRate[i] < -velocityTolerance) {

@@ -44,6 +44,9 @@ public:
   // The dynamics is started in the mode that is returned (status Selected), with its last evaluation at the state.
   Selection select(double time, const double *state, const Mode &previous, SwitchHint hint = {});
 
+  // Sets the step variables that do not slide to the sides on which the state is, with which gaps, slips and constraints are evaluated.
+  void setStepVariables(double time, const double *state, const Mode &previous, SwitchHint hint = {});
+
   // dy/dt of the selected mode at the state it was selected for.
   [[nodiscard]] const std::vector<double> &rate() const { return rate_; }
 
@@ -58,6 +61,9 @@ public:
 private:
   enum class Trial : std::uint8_t { Consistent, Inconsistent, FrictionalImpulse, Failed };
 
+  [[nodiscard]] Switch sideOf(int j, SwitchHint hint) const;
+  [[nodiscard]] std::string jump(const double *state);
+  [[nodiscard]] std::string negativeFriction() const;
   void classifySwitches(const Mode &previous, SwitchHint hint);
   void chooseRows(double time, const double *state, const Mode &previous);
   Trial tryAssignment(double time, const double *state);
@@ -80,6 +86,7 @@ private:
   std::vector<int> surfaces_;                    // switches on their surfaces
   std::vector<std::vector<Switch>> choices_;     // of each, in order of preference
   std::vector<int> contactOf_;                   // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;               // nt
   std::vector<std::uint8_t> candidates_, mask_;  // nc; nc + nf
   std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;

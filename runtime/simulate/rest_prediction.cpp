@@ -123,12 +123,13 @@ void RestPrediction::chooseRows(double time, const double *state) {
   at_.contactTerms(takesPart_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips, takesPart_.data());
   const std::vector<int> owner = contactsOfTangents(model);
+  const std::vector<TangentRole> roles = rolesOfTangents(model);
   std::vector<int> contacts, tangents;
   for (int i = 0; i < model.nc; ++i)
     if (takesPart_[i])
       contacts.push_back(i);
   for (int j = 0; j < model.nt; ++j)
-    if (owner[j] < 0 || (takesPart_[owner[j]] && at_.friction[owner[j]] > 0))
+    if (takesPartInImpacts(roles[j]) && (owner[j] < 0 || (takesPart_[owner[j]] && at_.friction[owner[j]] > 0)))
       tangents.push_back(j);
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);

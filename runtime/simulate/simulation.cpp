@@ -97,6 +97,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
     return status;
   if (const tf_status status = solveStart(); status != TF_OK)
     return status;
+  selection_.setStepVariables(time_, state_.data(), mode_);
   if (std::string text = failures_.contactsAtStart(time_, state_.data()); !text.empty())
     return fail(std::move(text));
   energy_.reset();
@@ -125,6 +126,7 @@ tf_status Simulation::Implementation::takeStarts() {
   if (!at_.setParameters(parameters_.data()))
     return fail(fmt::format("the mass matrix is singular: {}", failures_.singularMass()));
   enterSegment();
+  selection_.setStepVariables(time_, state_.data(), mode_);
   if (std::string text = failures_.contactParameters(); !text.empty())
     return fail(std::move(text));
   return TF_OK;
@@ -133,6 +135,8 @@ tf_status Simulation::Implementation::takeStarts() {
 tf_status Simulation::Implementation::solveStart() {
   sensitivities_.reset();
   if (!owner_.options.sensitivities.empty()) {
+    if (std::string text = failures_.relaxedSensitivities(); !text.empty())
+      return fail(std::move(text));
     sensitivities_ = std::make_unique<Sensitivities>(dynamics_, instance_, inputs_, owner_.options.sensitivities);
     sensitivities_->start(time_);
     beforeSensitivities_.assign(owner_.options.sensitivities.size() * static_cast<std::size_t>(model_.variable_count),
@@ -359,6 +363,7 @@ const tf_statistics &Simulation::Implementation::statistics() {
   statistics_.worst_constraint_element = constraint.element;
   statistics_.worst_energy_error = energy.value;
   statistics_.worst_energy_error_time = energy.time;
+  statistics_.estimated_energy_time = energy_ ? energy_->totals().estimatedTime : 0;
   return statistics_;
 }
 

@@ -160,7 +160,7 @@ tf_status Simulation::Implementation::stopTogether(const std::vector<int> &conta
     const tf_contact &contact = model_.contacts[i];
     resting.closed[i] = std::abs(at_.gapRate[i]) <= slow ? 1 : 0;
     const bool pair = sharesDisk(contact);
-    for (int k = 0; k < contact.tangent_count; ++k) {
+    for (int k = 0; k < (pair ? 2 : contact.tangent_count); ++k) {
       const int row = contact.tangent_first + k;
       const double speed =
           pair ? std::hypot(at_.slip[contact.tangent_first], at_.slip[contact.tangent_first + 1]) : std::abs(at_.slip[row]);
@@ -281,8 +281,11 @@ tf_status Simulation::Implementation::differentiateEvent(int guard) {
     break;
   }
   std::string names;
-  for (const int k : guards)
-    names += fmt::format("{}'{}'", names.empty() ? "" : ", ", model_.contacts[all[k].index].name);
+  for (const int k : guards) {
+    const tf_contact &contact = model_.contacts[all[k].index];
+    const char *file = contact.location.file != nullptr ? contact.location.file : "";
+    names += fmt::format("{}'{}' ({}:{})", names.empty() ? "" : ", ", contact.name, file, contact.location.line);
+  }
   return failSensitivities(fmt::format("the impact of {}, which come one after the other nearby,", names));
 }
 

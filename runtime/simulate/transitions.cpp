@@ -35,12 +35,13 @@ void compareDirections(const Element &element, int number, const Mode &from, con
     transitions.push_back({comesToZero ? TF_EVENT_SLIDING : TF_EVENT_SLIP_REVERSAL, number});
 }
 
-// Both rows of a slip of two components change together: the first one tells.
+// Both rows of a slip of two components change together: the first one tells. Of a relaxed slip the edge does.
 template <class Element>
 void compareTangent(const Element &element, int number, const Mode &from, const Mode &to, std::vector<Transition> &transitions) {
   if (element.tangent_count == 0)
     return;
-  const Tangent a = from.tangent[element.tangent_first], b = to.tangent[element.tangent_first];
+  const int row = element.tangent_first + (element.friction_form == TF_FRICTION_RELAXED ? TF_RELAXED_EDGE_ROW : 0);
+  const Tangent a = from.tangent[row], b = to.tangent[row];
   if (element.friction_form == TF_FRICTION_POLYHEDRAL && b != Tangent::None)
     return compareDirections(element, number, from, to, transitions);
   if (a == b || b == Tangent::None)

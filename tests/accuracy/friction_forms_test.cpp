@@ -235,18 +235,5 @@ TEST(PolyhedralFriction, TumblingBoxesKeepTheirInvariants) {
   }
 }
 
-TEST(RelaxedFriction, IsForPrintedFormsOnly) {
-  CompiledModel model(sourceFile("relaxed.tf", R"(
-model Puck
-  coordinate Real q[3](der(start = {1, 0, 0}));
-  body puck(mass = 2, position = q);
-  contact table(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.3, frictionForm = FrictionForm.Relaxed, slipRadius = 1e-3);
-end Puck;
-)"));
-  EXPECT_EQ(tf_initialise(model.simulation(), 0), TF_FAILED);
-  const std::string text = tf_error_text(model.simulation());
-  EXPECT_NE(text.find("contact 'table' has FrictionForm.Relaxed"), std::string::npos) << text;
-}
-
 }  // namespace
 }  // namespace tf::test

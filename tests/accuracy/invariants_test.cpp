@@ -73,5 +73,25 @@ TEST(Friction, StaysInItsCone) {
   }
 }
 
+// A force that has no value for an instant between the stages of steps, where the quadrature of the balance has a point.
+TEST(EnergyBalance, SaysWhereItIsEstimated) {
+  CompiledModel model(sourceFile("hole.tf", R"(
+model Hole
+  parameter Real hole = 0.1069431844;
+  coordinate Real x(start = 1);
+  body m(mass = 1, position = x);
+  force f(value = if noEvent(abs(time - hole) < 1e-4) then sqrt(-1 - x^2) else -x, at = x);
+end Hole;
+)"));
+  model.stepOptions(3, 0.1).integrator(TF_STEP);
+  tf_set_energy_balance(model.simulation(), 1);
+  model.initialise();
+  model.advance(1);
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_NEAR(statistics.estimated_energy_time, 0.1, 1e-12);
+  EXPECT_LT(statistics.worst_energy_error, 5e-3);
+  EXPECT_GT(statistics.worst_energy_error, 1e-7);
+}
+
 }  // namespace
 }  // namespace tf::test

@@ -227,6 +227,23 @@ end M;
   EXPECT_NEAR(point.evaluate(model->graph, model->force[0]), -2 * (x + y), 1e-14);
 }
 
+// Rows of friction that are no results of their own have names where results depend on them.
+TEST(Printing, NamesTheRowsOfOtherFormsOfFriction) {
+  DerivedModel model(R"(
+model M
+  coordinate Real q[3];
+  body ball(mass = 1, position = q);
+  contact table(gap = q[3], slip = der(q[1:2]), friction = 0.3, frictionForm = FrictionForm.Polyhedral, directions = 2);
+  friction dry(slip = der(q[1:2]), bound = 2, frictionForm = FrictionForm.Relaxed);
+end M;
+)");
+  TF_ASSERT_DERIVED(model);
+  const std::string text = print(*model);
+  for (const char *name : {"table.lt[1]", "table.lt[2]", "dry.lt[3]", "dry.lt[4]"})
+    EXPECT_NE(text.find(name), std::string::npos) << text;
+  EXPECT_EQ(text.find('?'), std::string::npos) << text;
+}
+
 TEST(Verifier, FindsWhatBreaksTheContract) {
   DerivedModel model(kModel);
   TF_ASSERT_DERIVED(model);
