@@ -1,4 +1,4 @@
-// expect: TF0315 at 5:104
+// expect: TF0315 at 5:102
 model M
   coordinate Real q[3](start = {0, 0, 1});
   body b(mass = 1, position = q);
