@@ -14,7 +14,7 @@ namespace tf::runtime {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int eventLimit = 4000;
+constexpr int eventLimit = 1000;
 // A sequence that repeats passes through the same few sets of resting contacts; to find out that many contacts do not is costly.
 constexpr std::size_t flightLimit = 64;
 // A factor closer to 1 does not contract.
