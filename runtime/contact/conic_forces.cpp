@@ -14,6 +14,12 @@ constexpr double singular = 1e-9;
 constexpr double farthest = 1e3;
 // The barrier's weight falls from firstWeight to lastWeight, relative to the force scale: the result is that far from the optimum.
 constexpr double firstWeight = 1, lastWeight = 1e-14, reduction = 0.05;
+// Of the largest slack, relative to itself: its zero counts.
+constexpr double slackAccuracy = 1e-6;
+// Of a least-norm point that is followed, relative to the force scale: slacks below are those of active limits, steps below the last ones,
+// and slacks and multipliers may be negative by that much.
+constexpr double active = 1e-6, lastStep = 1e-9, rounding = 1e-13;
+constexpr int stepLimit = 8;
 
 }  // namespace
 
@@ -165,10 +171,16 @@ double ConicForces::largestSlack() {
   base_ = free_;
   unknown_.setZero(kernel + 1);
   unknown_[kernel] = smallestSlack(free_) - scale_;
-  for (double weight = firstWeight; weight >= lastWeight; weight *= reduction)
+  double largest = -std::numeric_limits<double>::infinity();
+  // Within weight·parameter of the optimum.
+  const auto parameter = static_cast<double>(2 * limits_.size() + 1);
+  for (double weight = firstWeight; weight >= lastWeight && !(parameter * weight * scale_ <= slackAccuracy * largest);
+       weight *= reduction) {
     center(Aim::CommonSlack, weight * scale_);
-  innermost_ = base_ + kernel_ * unknown_.head(kernel);
-  return smallestSlack(innermost_);
+    innermost_ = base_ + kernel_ * unknown_.head(kernel);
+    largest = smallestSlack(innermost_);
+  }
+  return largest;
 }
 
 const Eigen::VectorXd &ConicForces::leastNorm() {
@@ -179,7 +191,84 @@ const Eigen::VectorXd &ConicForces::leastNorm() {
   for (double weight = firstWeight; weight >= lastWeight; weight *= reduction)
     center(Aim::LeastNorm, weight * scale_ * scale_);
   least_ = base_ + kernel_ * unknown_;
+  findActive();
+  // To rounding, as the points that follow.
+  point_ = least_;
+  if (followLeastNorm() == nullptr) {
+    least_ = point_;
+    isKnown_ = false;
+  }
   return least_;
+}
+
+// The limits that are active at `least_`, and their multipliers.
+void ConicForces::findActive() {
+  active_.clear();
+  for (std::size_t k = 0; k < limits_.size(); ++k)
+    if (slack(static_cast<int>(k), least_) <= active * scale_)
+      active_.push_back(static_cast<int>(k));
+  multiplier_.setZero(static_cast<Eigen::Index>(active_.size()));
+  isKnown_ = true;
+  double ignored = 0;
+  if (!newtonStep(ignored))
+    isKnown_ = false;
+}
+
+// One step of Newton's method for x = free + K c:  Kᵀ(x − Σ μ ∇s) = 0,  s = 0 on the active limits; ∇²s = −(I − t tᵀ/‖t‖²)/‖t‖.
+bool ConicForces::newtonStep(double &change) {
+  const Eigen::Index kernel = kernel_.cols(), count = multiplier_.size(), size = kernel + count;
+  slope_.setZero(kernel, count);
+  optimality_.setZero(size, size);
+  gradient_.setZero(size);
+  optimality_.topLeftCorner(kernel, kernel).setIdentity();
+  for (Eigen::Index a = 0; a < count; ++a) {
+    const int k = active_[static_cast<std::size_t>(a)];
+    const Limit &limit = limits_[k];
+    if (limit.apex >= 0)
+      slope_.col(a) = limit.factor * kernel_.row(limit.apex).transpose();
+    gradient_[kernel + a] = -slack(k, least_);
+    if (limit.first < 0)
+      continue;
+    const double first = least_[limit.first], second = limit.second >= 0 ? least_[limit.second] : 0, length = std::hypot(first, second);
+    if (!(length > 0))
+      return false;
+    slope_.col(a) -= first / length * kernel_.row(limit.first).transpose();
+    if (limit.second < 0)
+      continue;
+    slope_.col(a) -= second / length * kernel_.row(limit.second).transpose();
+    across_ = (first * kernel_.row(limit.second) - second * kernel_.row(limit.first)).transpose() / length;
+    optimality_.topLeftCorner(kernel, kernel).noalias() += multiplier_[a] / length * across_ * across_.transpose();
+  }
+  gradient_.head(kernel).noalias() = slope_ * multiplier_ - kernel_.transpose() * least_;
+  optimality_.topRightCorner(kernel, count) = -slope_;
+  optimality_.bottomLeftCorner(count, kernel) = slope_.transpose();
+  optimalityFactor_.compute(optimality_);
+  step_ = optimalityFactor_.solve(gradient_);
+  if (!step_.allFinite())
+    return false;
+  least_.noalias() += kernel_ * step_.head(kernel);
+  multiplier_ += step_.tail(count);
+  change = step_.head(kernel).lpNorm<Eigen::Infinity>() / scale_;
+  return true;
+}
+
+const Eigen::VectorXd *ConicForces::followLeastNorm() {
+  if (!isKnown_ || least_.size() != free_.size())
+    return nullptr;
+  isKnown_ = false;
+  // The last point on the new equations.
+  unknown_ = kernel_.transpose() * (least_ - free_);
+  least_ = free_ + kernel_ * unknown_;
+  const Eigen::Index count = multiplier_.size();
+  double change = 1;
+  for (int k = 0; k < stepLimit && change > lastStep; ++k)
+    if (!newtonStep(change))
+      return nullptr;
+  if (change > lastStep || (count > 0 && multiplier_.minCoeff() < -rounding * multiplier_.maxCoeff()) ||
+      smallestSlack(least_) < -rounding * scale_)
+    return nullptr;
+  isKnown_ = true;
+  return &least_;
 }
 
 }  // namespace tf::runtime

@@ -2,7 +2,8 @@
 //     A x = b,   slack_k(x) = factor_k x_apex + offset_k − ‖(x_t0, x_t1)‖ ≥ 0
 // with A singular. Its representative is the least-norm point; the set is empty where the largest common slack is negative
 // (theory.md section 6). Both are convex problems in the null space of A, solved by a logarithmic barrier (Boyd and Vandenberghe, Convex
-// Optimization, 2004, sections 11.3 and 11.6) to rounding.
+// Optimization, 2004, sections 11.3 and 11.6) to rounding. Along a motion the least-norm point is followed by Newton's method on its
+// optimality conditions while the same limits are active.
 #ifndef TF_RUNTIME_CONTACT_CONIC_FORCES_H
 #define TF_RUNTIME_CONTACT_CONIC_FORCES_H
 
@@ -23,6 +24,8 @@ public:
 
   // A, b and limits are undefined afterwards.
   void resize(int variables, int limits);
+  // Another set begins: there is no point to follow.
+  void forget() { isKnown_ = false; }
   Eigen::MatrixXd &matrix() { return matrix_; }
   Eigen::VectorXd &rhs() { return rhs_; }
   Limit &limit(int k) { return limits_[k]; }
@@ -31,11 +34,13 @@ public:
   bool prepare(double tolerance);
   // The least-norm solution of A x = b alone.
   [[nodiscard]] const Eigen::VectorXd &freePoint() const { return free_; }
-  // max over A x = b of min_k slack_k (up to a force far beyond that of freePoint), and a point where it is reached.
+  // max over A x = b of min_k slack_k (up to a force far beyond that of freePoint), to 1e-6 of itself, and a point where it is reached.
   double largestSlack();
   [[nodiscard]] const Eigen::VectorXd &innermost() const { return innermost_; }
   // The least-norm point of the set, after largestSlack() > 0.
   const Eigen::VectorXd &leastNorm();
+  // After prepare(): the same point from the last one, with the same limits active. Null where it is not found so, or there is no last one.
+  const Eigen::VectorXd *followLeastNorm();
   // Least-norm solution of A x = b for another b.
   void solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const;
 
@@ -48,6 +53,8 @@ private:
   // Objective −common/weight (common slack is the last unknown) or ½‖x‖²/weight (common slack 0).
   enum class Aim : bool { CommonSlack, LeastNorm };
   void center(Aim aim, double weight);
+  void findActive();
+  bool newtonStep(double &change);
   bool barrier(Aim aim, double weight, double &value, bool derivatives);
 
   Eigen::MatrixXd matrix_, kernel_;
@@ -56,6 +63,12 @@ private:
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor_;
   Eigen::VectorXd unknown_, step_, gradient_, point_, base_;  // unknown: coordinates in the kernel, then the common slack
   Eigen::MatrixXd hessian_;
+  // Of the least-norm point: ∇½‖x‖² = Σ multiplier ∇slack over the active limits, in the kernel. slope: kernel × active.
+  bool isKnown_ = false;
+  std::vector<int> active_;
+  Eigen::VectorXd multiplier_, across_;
+  Eigen::MatrixXd slope_, optimality_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> optimalityFactor_;
   double scale_ = 1;
 };
 

@@ -30,6 +30,7 @@ void ForceSet::setMode(const ContactProblem &problem, const ContactMode &mode) {
   fixed_.assign(n, 0.0);
   limits_.clear();
   conic_ = false;
+  cone_.forget();
   for (int i = 0; i < n; ++i) {
     active_[i] = mode.closed[i];
     if (mode.closed[i])
@@ -234,6 +235,7 @@ LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double
 
 void ForceSet::loadConic() {
   const int k = activeCount();
+  hasInnermost_ = false;
   weighEquations();
   cone_.resize(k, static_cast<int>(limits_.size()));
   length_.resize(k);
@@ -267,8 +269,14 @@ void ForceSet::loadConic() {
 // Where the set has hardly any width its innermost point is as good as the least-norm one.
 void ForceSet::confineConic() {
   constexpr double width = 1e-9;
-  commonSlack_ = cone_.largestSlack();
+  findInnermost();
   expandPoint(commonSlack_ > width * forceScale_ ? cone_.leastNorm().data() : cone_.innermost().data());
+}
+
+void ForceSet::findInnermost() {
+  if (!hasInnermost_)
+    commonSlack_ = cone_.largestSlack();
+  hasInnermost_ = true;
 }
 
 LeastNorm::Status ForceSet::confine(const ContactProblem &problem, double tolerance) {
@@ -298,6 +306,8 @@ bool ForceSet::solveActive(const ContactProblem &problem) {
     forceScale_ = cone_.scale();
     if (inside_)
       expandPoint(cone_.freePoint().data());
+    else if (const Eigen::VectorXd *least = cone_.followLeastNorm(); least != nullptr)
+      expandPoint(least->data());
     else
       confineConic();
     return true;
@@ -313,8 +323,7 @@ bool ForceSet::solveActive(const ContactProblem &problem) {
 bool ForceSet::canLeave(const ContactProblem &problem, int k, double tolerance) {
   view(problem);
   if (conic_) {
-    if (inside_)
-      cone_.largestSlack();
+    findInnermost();
     return cone_.slack(k, cone_.innermost()) > tolerance * forceScale_;
   }
   loadPolyhedron(far_);

@@ -46,7 +46,10 @@ public:
   // Such a solution has left a limit: from now on the representative obeys them all. Empty: there is none.
   LeastNorm::Status confine(const ContactProblem &problem, double tolerance);
   // The largest slack that all limits of a conic set can have at once, while it is not inside: the mode ends where it falls to zero.
-  [[nodiscard]] double commonSlack() const { return commonSlack_; }
+  [[nodiscard]] double commonSlack() {
+    findInnermost();
+    return commonSlack_;
+  }
 
   // Of a saturated limit of a polyhedron, in the unit of forces.
   [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
@@ -68,6 +71,7 @@ private:
   void expandPoint(const double *point);
   void loadConic();
   void confineConic();
+  void findInnermost();
   [[nodiscard]] int conicSaturated(int k) const;
 
   ContactRowData rows_;
@@ -81,7 +85,7 @@ private:
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
   DenseMatrix matrix_;
   double forceScale_ = 0;
-  bool conic_ = false, inside_ = true;
+  bool conic_ = false, inside_ = true, hasInnermost_ = false;
   double commonSlack_ = 0;
   ConicForces cone_;
 };

@@ -24,6 +24,7 @@ struct ModeForces::Workspace {
   const ContactProblem *problem = nullptr;  // of the last evaluation
   std::vector<ModeMargin> margins;
   std::vector<double> values;
+  bool isCurrent = true;  // `values` are those of the last evaluation
 
   void listMargins() {
     margins.clear();
@@ -40,13 +41,13 @@ struct ModeForces::Workspace {
       margins.push_back({set.limits()[k], redundant && set.saturated(static_cast<int>(k)) >= 0});
     values.resize(margins.size());
   }
+  // The common slack of redundant forces costs more than they do, and is needed at the ends of steps only.
   void evaluateMargins(const ContactProblem &at) {
     problem = &at;
-    for (std::size_t k = 0; k < margins.size(); ++k) {
+    isCurrent = margins.empty() || margins.front().limit.row >= 0;
+    for (std::size_t k = 0; isCurrent && k < margins.size(); ++k) {
       const int limit = static_cast<int>(k);
-      values[k] = margins[k].limit.row < 0 ? set.commonSlack()
-                  : margins[k].multiplier  ? set.multiplier(set.saturated(limit))
-                                           : set.slack(at, limit);
+      values[k] = margins[k].multiplier ? set.multiplier(set.saturated(limit)) : set.slack(at, limit);
     }
   }
 };
@@ -83,7 +84,12 @@ std::span<const double> ModeForces::forces() const { return work_->set.forces();
 std::span<const double> ModeForces::accelerations() const { return work_->set.accelerations(); }
 bool ModeForces::redundant() const { return work_->redundant; }
 std::span<const ModeMargin> ModeForces::margins() const { return work_->margins; }
-std::span<const double> ModeForces::marginValues() const { return work_->values; }
+std::span<const double> ModeForces::marginValues() const {
+  if (!work_->isCurrent)
+    work_->values.front() = work_->set.commonSlack();
+  work_->isCurrent = true;
+  return work_->values;
+}
 
 MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;

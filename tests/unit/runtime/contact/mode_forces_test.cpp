@@ -3,6 +3,7 @@
 #include "runtime/contact/contact_solver.h"
 #include "tests/unit/runtime/contact/mechanisms.h"
 #include "tests/unit/runtime/contact/random_contacts.h"
+#include "tests/unit/runtime/contact/spatial_bodies.h"
 
 #include <gtest/gtest.h>
 
@@ -179,6 +180,48 @@ TEST(ModeForces, RedundantModeEndsWhenItsSetIsEmpty) {
   }
   EXPECT_EQ(rechosen, 1);
   EXPECT_NEAR(end, 0.5 * gravity, 1e-12);
+}
+
+// Four feet of a table that is pulled and turned harder and harder: the least forces within all cones, followed from point to point, are
+// those that a mode begins with there. Some feet reach their limit on the way.
+TEST(ModeForces, FollowsTheLeastForcesWithinCones) {
+  const double friction = 0.5;
+  const test::SpatialBody table = test::spatialBody(2, Eigen::Vector3d(0.3, 0.3, 0.4).asDiagonal(),
+                                                    {{0.5, 0.4, -0.5}, {-0.5, 0.4, -0.5}, {-0.5, -0.4, -0.5}, {0.5, -0.4, -0.5}});
+  const auto at = [&](double pull) {
+    ContactProblem problem;
+    problem.resize(4, 8);
+    problem.delassus.map() = table.rows * table.mass.inverse() * table.rows.transpose();
+    Eigen::VectorXd force(6);
+    force << 3 * pull, 4 * pull, -20, 0, 0.5 * pull, 0.8 * pull;
+    Eigen::Map<Eigen::VectorXd>(problem.bias.data(), 12) = table.rows * table.mass.inverse() * force;
+    for (int j = 0; j < 8; ++j) {
+      problem.owner[j] = j / 2;
+      problem.partner[j] = j ^ 1;
+      problem.friction[j] = friction;
+    }
+    return problem;
+  };
+  const ContactMode mode = modeOf({1, 1, 1, 1}, std::vector<std::int8_t>(8, 0));
+  ModeForces forces, fresh;
+  double pull = 0;
+  ContactProblem problem = at(pull);
+  // Up to where the least forces of all leave a cone.
+  while (forces.start(problem = at(pull += 0.01), mode) && forces.margins().size() > 1 && pull < 5) {
+  }
+  ASSERT_LT(pull, 5);
+  int compared = 0;
+  for (ContactProblem begin = at(pull); fresh.start(begin, mode); begin = at(pull), ++compared) {
+    problem = begin;
+    ASSERT_TRUE(forces.evaluate(problem));
+    for (int r = 0; r < 12; ++r)
+      EXPECT_NEAR(forces.forces()[r], fresh.forces()[r], 1e-10) << r << " at " << pull;
+    for (int i = 0; i < 4; ++i)
+      EXPECT_LE(std::hypot(forces.forces()[4 + 2 * i], forces.forces()[5 + 2 * i]), friction * forces.forces()[i] + 1e-10);
+    EXPECT_NEAR(forces.marginValues()[0], fresh.marginValues()[0], 1e-5 * fresh.marginValues()[0] + 1e-12);
+    pull += 0.003;
+  }
+  EXPECT_GT(compared, 10);
 }
 
 TEST(ModeForces, ContradictoryRedundantRowsAreRefused) {
