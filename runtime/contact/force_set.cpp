@@ -273,6 +273,16 @@ void ForceSet::confineConic() {
   expandPoint(commonSlack_ > width * forceScale_ ? cone_.leastNorm().data() : cone_.innermost().data());
 }
 
+// As confineConic, from the last point; but where the set is about to vanish, and its innermost point is wanted.
+void ForceSet::followConic() {
+  constexpr double thin = 1e-3;
+  const Eigen::VectorXd *least = commonSlack_ > thin * forceScale_ ? cone_.followLeastNorm() : nullptr;
+  if (least != nullptr)
+    expandPoint(least->data());
+  else
+    confineConic();
+}
+
 void ForceSet::findInnermost() {
   if (!hasInnermost_)
     commonSlack_ = cone_.largestSlack();
@@ -306,10 +316,8 @@ bool ForceSet::solveActive(const ContactProblem &problem) {
     forceScale_ = cone_.scale();
     if (inside_)
       expandPoint(cone_.freePoint().data());
-    else if (const Eigen::VectorXd *least = cone_.followLeastNorm(); least != nullptr)
-      expandPoint(least->data());
     else
-      confineConic();
+      followConic();
     return true;
   }
   loadPolyhedron(polyhedron_);

@@ -71,6 +71,7 @@ private:
   void expandPoint(const double *point);
   void loadConic();
   void confineConic();
+  void followConic();
   void findInnermost();
   [[nodiscard]] int conicSaturated(int k) const;
 

@@ -121,6 +121,8 @@ public:
   [[nodiscard]] bool hasLaunched() const { return slips_.haveLaunched(); }
   // A relaxed slip stays on the edge of its disk, where it turns within slipRadius/acceleration: stiff for any integrator that is not.
   [[nodiscard]] bool holdsEdge() const;
+  // At the point of the latest `switching`.
+  [[nodiscard]] bool hasSlowSlips() const { return !slips_.empty() && !slips_.haveLaunched(); }
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }

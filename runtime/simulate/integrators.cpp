@@ -62,6 +62,7 @@ void Integrators::make(const SimulationOptions &options) {
 }
 
 void Integrators::useForNewMode() {
+  slowSteps_ = 0;
   if (launch_ && dynamics_.launches())
     use(*launch_, IntegratorReason::Launch);
   else if (launch_ && wanted_ != TF_CVODE && dynamics_.holdsEdge())
@@ -82,7 +83,16 @@ SmoothIntegrator *Integrators::afterFailure() {
   return other != current_ ? other : nullptr;
 }
 
-SmoothIntegrator *Integrators::forStiffness() { return wanted_ == TF_AUTO && mayFallBack_ && current_->isStiff() ? fallback() : nullptr; }
+// The direction of a slow slip is stiff, and its friction jumps at zero: the stages of explicit steps, on all sides of it, may average to a
+// rest that no step sees.
+SmoothIntegrator *Integrators::forStiffness() {
+  constexpr int mostSlowSteps = 30;
+  const bool isSlow = launch_ && currentKind() == Kind::Explicit && dynamics_.hasSlowSlips();
+  slowSteps_ = isSlow ? slowSteps_ + 1 : 0;
+  if (slowSteps_ > mostSlowSteps)
+    return launch_.get();
+  return wanted_ == TF_AUTO && mayFallBack_ && current_->isStiff() ? fallback() : nullptr;
+}
 
 Integrators::Kind Integrators::currentKind() const {
   if (current_ == fallback_.get() || (wanted_ == TF_CVODE && primaryIsCurrent()))

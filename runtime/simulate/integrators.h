@@ -43,7 +43,8 @@ public:
   [[nodiscard]] bool launchIsOver() const { return current_ == launch_.get() && dynamics_.hasLaunched() && !dynamics_.holdsEdge(); }
   // To take over where the current one cannot meet the tolerance; null: there is none.
   [[nodiscard]] SmoothIntegrator *afterFailure();
-  // To take over where stability limits the steps of the current one; null: there is none.
+  // After a step without event. To take over where stability limits the steps of the current one, or slips of two components stay slow;
+  // null: there is none.
   [[nodiscard]] SmoothIntegrator *forStiffness();
 
   // Counts a step of the current one.
@@ -68,6 +69,7 @@ private:
   SmoothIntegrator *current_ = nullptr;
   IntegratorReason reason_ = IntegratorReason::Primary;
   std::optional<Kind> lastKind_;  // of the last step
+  int slowSteps_ = 0;             // of the explicit one in which a slip of two components was small
 };
 
 }  // namespace tf::runtime

@@ -50,6 +50,9 @@ TEST(RandomScenes, WhereTwoContactsTogetherNeedAFrictionalImpulse) { expectGood(
 // In space the response of a contact to its own force reaches zero by a turn of its slip.
 TEST(RandomScenes, WhereTurningSlipsJam) { expectGood({7420, 16376}); }
 
+// A corner slides on as slowly as the tolerance allows, about a rest that explicit steps do not see.
+TEST(RandomScenes, WhereASlowSlipComesToRest) { expectGood({14268}); }
+
 TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 8068, 9720, 16072}); }
 
 }  // namespace
