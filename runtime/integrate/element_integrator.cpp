@@ -133,6 +133,10 @@ bool ElementIntegrator::shorten(double time) {
   // Where slips of two components have just begun, implicit equations cannot be solved to rounding, but as well as those of the step.
   if (!solve(time - beginTime_, 1e-15) && !solve(time - beginTime_, stepAccuracy()))
     return false;
+  // Forces without bound between the ends of a step may be where a stage of a shorter one is.
+  constexpr double largestError = 1e3;
+  if (settings_.fixedStep <= 0 && !(method_->errorNorm(scale_.data(), settings_.tolerance) <= largestError))
+    return false;
   adopt(time);
   return true;
 }
