@@ -19,6 +19,7 @@ int settledValue(const flat::Element &element, const char *name, int otherwise) 
 
 NodeId squareOf(ir::Graph &graph, const std::vector<NodeId> &components) {
   std::vector<NodeId> squares;
+  squares.reserve(components.size());
   for (const NodeId component : components)
     squares.push_back(graph.mul(component, component));
   return graph.sum(squares);
@@ -73,6 +74,7 @@ std::vector<NodeId> FrictionForm::relaxedComponents(ir::Graph &graph, const Slip
   const NodeId force = graph.add(graph.mul(graph.constant(TF_RELAXED_STEADY), rowForces[TF_RELAXED_STEADY_ROW]),
                                  graph.mul(graph.constant(TF_RELAXED_EDGE), rowForces[TF_RELAXED_EDGE_ROW]));
   std::vector<NodeId> components;
+  components.reserve(slip.components.size());
   for (const NodeId component : slip.components)
     components.push_back(graph.mul(force, graph.div(component, length)));
   return components;

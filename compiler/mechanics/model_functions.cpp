@@ -217,6 +217,7 @@ ir::Function ModelFunctions::switching() {
     builder.store(slip, k, system_.tangents[row].slip, slips + rowGroup_[row]);
   }
   std::vector<NodeId> nodes;
+  nodes.reserve(system_.switches.size());
   for (const SwitchingFunction &switching : system_.switches)
     nodes.push_back(switching.condition);
   builder.buffer(nodes, conditions);
