@@ -343,8 +343,11 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   Mode resting = mode_;
   for (const int i : point.contacts)
     resting.closed[i] = 1;
+  // A contact may stick on the way and open at the point.
+  const std::vector<int> owner = contactsOfTangents(model_);
   for (const int j : point.sticking)
-    resting.tangent[j] = Tangent::Stick;
+    if (owner[j] < 0 || resting.closed[owner[j]])
+      resting.tangent[j] = Tangent::Stick;
   projectOnto(resting, time_, state_.data());
   // The point is known to the tolerance: there another contact may be open that the projection closes. Then bounces are followed on.
   if (penetrates(resting)) {
