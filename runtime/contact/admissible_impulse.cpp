@@ -19,11 +19,23 @@ double largest(const std::vector<double> &values) {
 
 }  // namespace
 
+// What every impact is asked, of which few need more.
+bool AdmissibleImpulse::leavesCones(const FrozenProblem &problem, const std::vector<double> &impulse) const {
+  const int n = problem.normalCount;
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    const int partner = problem.partner[j];
+    const double size = std::hypot(impulse[n + j], partner < 0 ? 0.0 : impulse[n + partner]);
+    if (size > problem.friction[j] * impulse[problem.owner[j]] + allowed_)
+      return true;
+  }
+  return false;
+}
+
 void AdmissibleImpulse::chooseRows(const FrozenProblem &problem, const std::vector<double> &velocity, const std::vector<double> &impulse) {
   const int n = problem.normalCount;
   std::vector<std::uint8_t> changes(static_cast<std::size_t>(n), 0);
   for (int i = 0; i < n; ++i)
-    changes[i] = impulse[i] > rounding * largest(impulse);
+    changes[i] = impulse[i] > allowed_;
   for (int j = 0; j < problem.tangentCount; ++j)
     if (std::abs(velocity[n + j]) > problem.resolution)
       changes[problem.owner[j]] = 0;
@@ -42,13 +54,11 @@ void AdmissibleImpulse::chooseRows(const FrozenProblem &problem, const std::vect
 }
 
 void AdmissibleImpulse::choose(const FrozenProblem &problem, const std::vector<double> &velocity, std::vector<double> &impulse) {
+  allowed_ = rounding * largest(impulse);
+  if (!leavesCones(problem, impulse))
+    return;
   chooseRows(problem, velocity, impulse);
-  const double allowed = rounding * largest(impulse);
-  const auto leavesCone = [&](const Friction &friction) {
-    const double size = std::hypot(impulse[friction.first], friction.second < 0 ? 0.0 : impulse[friction.second]);
-    return size > friction.coefficient * impulse[friction.owner] + allowed;
-  };
-  if (std::none_of(frictions_.begin(), frictions_.end(), leavesCone))
+  if (frictions_.empty())
     return;
   const auto place = [this](int row) {
     return row < 0 ? -1 : static_cast<int>(std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin());

@@ -13,8 +13,9 @@ namespace tf::runtime {
 
 class AdmissibleImpulse {
 public:
-  // `impulse` [n + m] is that of an impact with this problem. Contacts that slide at the end or have no impulse keep theirs. Nothing is
-  // changed where no impulse is outside its cone by more than rounding, or where no admissible one is found.
+  // `impulse` [n + m] is that of an impact with this problem, `velocity` [n + m] that at its end. Contacts that slide at the end or have no
+  // impulse keep theirs. Nothing is changed where no impulse is outside its cone by more than rounding, or where no admissible one is
+  // found.
   void choose(const FrozenProblem &problem, const std::vector<double> &velocity, std::vector<double> &impulse);
 
 private:
@@ -23,8 +24,10 @@ private:
     double coefficient = 0;
   };
 
+  [[nodiscard]] bool leavesCones(const FrozenProblem &problem, const std::vector<double> &impulse) const;
   void chooseRows(const FrozenProblem &problem, const std::vector<double> &velocity, const std::vector<double> &impulse);
 
+  double allowed_ = 0;     // impulses below are rounding
   std::vector<int> rows_;  // that may change, ascending
   std::vector<Friction> frictions_;
   ConicForces forces_;

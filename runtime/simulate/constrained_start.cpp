@@ -1,4 +1,5 @@
 #include "runtime/simulate/constrained_start.h"
+#include "runtime/simulate/source_texts.h"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -124,9 +125,8 @@ std::string ConstrainedStart::violation(bool ofVelocities) const {
     }
     if (worst <= allowed)
       continue;
-    text += fmt::format("{}the start {} constraint '{}' by {:.6g} ({}:{})", text.empty() ? "" : "; ",
-                        ofVelocities ? "of the velocities violates" : "violates", constraint.name, worst, constraint.location.file,
-                        constraint.location.line);
+    text += fmt::format("{}the start {} constraint '{}' by {:.6g} {}", text.empty() ? "" : "; ",
+                        ofVelocities ? "of the velocities violates" : "violates", constraint.name, worst, sourceOf(constraint.location));
   }
   if (contradict(rows, ofVelocities ? freeVelocities_ : freeCoordinates_))
     return text + (ofVelocities ? "; they contradict each other, whatever the free velocities are"

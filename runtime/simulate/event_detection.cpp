@@ -89,21 +89,15 @@ void EventDetection::readGuards(double time, Sample &sample) {
       sample.value[k] = hop(static_cast<int>(k), time, sample.value[k], sample.rate[k]);
 }
 
-bool EventDetection::sample(double time, const double *state, bool withForces, Sample &sample) {
-  if (withForces && needsForces_) {
-    if (!dynamics_.evaluate(time, state, scratch_.data()))
-      return false;
-  } else {
-    dynamics_.model().setPoint(time, state);
-  }
-  readGuards(time, sample);
-  return true;
-}
-
 // Without forces the values of their guards mean nothing.
 bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
   integrator_->interpolate(time, state_.data());
-  return this->sample(time, state_.data(), withForces, sample);
+  if (!withForces || !needsForces_)
+    dynamics_.model().setPoint(time, state_.data());
+  else if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
+    return false;
+  readGuards(time, sample);
+  return true;
 }
 
 double EventDetection::guardAt(int guard, double time, const double *state) {

@@ -42,7 +42,6 @@ private:
   };
 
   void readGuards(double time, Sample &sample);
-  bool sample(double time, const double *state, bool withForces, Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] bool allFar() const;
   bool mayDip(int guard, const Sample &a, const Sample &b) const;

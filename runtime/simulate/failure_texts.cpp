@@ -1,5 +1,7 @@
 #include "runtime/simulate/failure_texts.h"
 
+#include "runtime/simulate/source_texts.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,8 +14,6 @@ namespace {
 // The sign of a NaN means nothing.
 std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN" : value > 0 ? "infinity" : "-infinity"; }
 
-std::string at(const tf_location &location) { return fmt::format("({}:{})", location.file != nullptr ? location.file : "", location.line); }
-
 // Disks whose radius the selection of modes could take for zero.
 constexpr double leastSlipRadius = 1e-9;
 
@@ -25,7 +25,7 @@ template <class Element> std::string slipRadius(std::string_view kind, const Ele
   if (radius >= leastSlipRadius)
     return {};
   return fmt::format("{} '{}' has slipRadius {:.4g}; a run needs {:.4g} or more {}", kind, element.name, radius, leastSlipRadius,
-                     at(element.location));
+                     sourceOf(element.location));
 }
 
 }  // namespace
@@ -35,9 +35,9 @@ std::string FailureTexts::contactParameters() {
     const tf_contact &contact = model_.contacts[i];
     if (!(at_.restitution[i] >= 0 && at_.restitution[i] <= 1))
       return fmt::format("contact '{}' has restitution {}; it must be between 0 and 1 {}", contact.name, at_.restitution[i],
-                         at(contact.location));
+                         sourceOf(contact.location));
     if (!(at_.rate[i] > 0))
-      return fmt::format("contact '{}' has rate {}; it must be positive {}", contact.name, at_.rate[i], at(contact.location));
+      return fmt::format("contact '{}' has rate {}; it must be positive {}", contact.name, at_.rate[i], sourceOf(contact.location));
   }
   return {};
 }
@@ -56,7 +56,7 @@ std::string FailureTexts::slipRadii() {
 std::string FailureTexts::relaxedSensitivities() const {
   const auto text = [](std::string_view kind, const auto &element) {
     return fmt::format("sensitivities need FrictionForm.Exact or .Polyhedral, but {} '{}' has .Relaxed {}", kind, element.name,
-                       at(element.location));
+                       sourceOf(element.location));
   };
   for (int i = 0; i < model_.nc; ++i)
     if (model_.contacts[i].friction_form == TF_FRICTION_RELAXED)
@@ -78,9 +78,9 @@ std::string FailureTexts::contactsAtStart(double time, const double *state) {
     const tf_contact &contact = model_.contacts[i];
     const double tolerance = 1e-9 * std::max(1.0, contact.nominal);
     if (!std::isfinite(at_.gap[i]))
-      return fmt::format("'{}.gap' is {} at the start {}", contact.name, nameOfNonFinite(at_.gap[i]), at(contact.location));
+      return fmt::format("'{}.gap' is {} at the start {}", contact.name, nameOfNonFinite(at_.gap[i]), sourceOf(contact.location));
     if (at_.gap[i] < -tolerance)
-      return fmt::format("contact '{}' starts with a penetration of {:.6g} {}", contact.name, -at_.gap[i], at(contact.location));
+      return fmt::format("contact '{}' starts with a penetration of {:.6g} {}", contact.name, -at_.gap[i], sourceOf(contact.location));
   }
   return {};
 }
@@ -102,12 +102,11 @@ std::string FailureTexts::negativeFriction() {
   at_.contactTerms(all.data());
   for (int i = 0; i < model_.nc; ++i)
     if (at_.friction[i] < 0)
-      return fmt::format("the friction coefficient of contact '{}' is {:.6g}, it cannot be negative {}", model_.contacts[i].name,
-                         at_.friction[i], at(model_.contacts[i].location));
+      return negativeFrictionOf(model_.contacts[i], at_.friction[i]);
   for (int i = 0; i < model_.nf; ++i)
     if (const double bound = at_.bound[model_.frictions[i].tangent_first]; bound < 0)
       return fmt::format("the bound of friction element '{}' is {:.6g}, it cannot be negative {}", model_.frictions[i].name, bound,
-                         at(model_.frictions[i].location));
+                         sourceOf(model_.frictions[i].location));
   return {};
 }
 
@@ -138,7 +137,7 @@ std::string FailureTexts::evaluation() {
 std::string FailureTexts::place(tf_kind kind, int index) const {
   const std::int32_t variable = instance_.variableOf(kind, index);
   const std::string name = instance_.nameOf(kind, index);
-  return variable < 0 ? fmt::format("'{}'", name) : fmt::format("'{}' {}", name, at(model_.variables[variable].location));
+  return variable < 0 ? fmt::format("'{}'", name) : fmt::format("'{}' {}", name, sourceOf(model_.variables[variable].location));
 }
 
 std::string FailureTexts::nonFinite() {
@@ -162,7 +161,8 @@ std::string FailureTexts::nonFiniteConstraint() {
       const double *first = at_.constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model_.nv;
       const double *bad = std::find_if(first, first + model_.nv, [](double value) { return !std::isfinite(value); });
       if (const double value = bad != first + model_.nv ? *bad : at_.constraintBias[row]; !std::isfinite(value))
-        return fmt::format("{} in the derivative of constraint '{}' {}", nameOfNonFinite(value), constraint.name, at(constraint.location));
+        return fmt::format("{} in the derivative of constraint '{}' {}", nameOfNonFinite(value), constraint.name,
+                           sourceOf(constraint.location));
     }
   }
   return {};

@@ -1,4 +1,5 @@
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/source_texts.h"
 
 #include <fmt/format.h>
 
@@ -65,10 +66,9 @@ std::string ModeSelection::jump(const double *state) {
   const tf_model &model = at_.model();
   if (std::none_of(model.switches, model.switches + model.ns, [](const tf_switch &one) { return one.kind == TF_SWITCH_TIME; }))
     return {};
-  const auto line = [](const tf_location &at) { return fmt::format("({}:{})", at.file != nullptr ? at.file : "", at.line); };
   for (int i = 0; i < model.nc; ++i)
     if (const tf_contact &contact = model.contacts[i]; at_.gap[i] < -clear * std::max(1.0, contact.nominal))
-      return fmt::format("the gap of contact '{}' jumps to {:.6g} {}", contact.name, at_.gap[i], line(contact.location));
+      return fmt::format("the gap of contact '{}' jumps to {:.6g} {}", contact.name, at_.gap[i], sourceOf(contact.location));
   if (model.nh == 0)
     return {};
   const double slow = clear / tolerances_.velocity * velocityTolerance(state);
@@ -77,10 +77,10 @@ std::string ModeSelection::jump(const double *state) {
     const tf_constraint &constraint = model.constraints[k];
     for (int row = constraint.row_first; row < constraint.row_first + constraint.row_count; ++row)
       if (const double error = constraint.holonomic ? at_.residual[row] : 0; std::abs(error) > clear * std::max(1.0, constraint.nominal))
-        return fmt::format("the residual of constraint '{}' jumps to {:.6g} {}", constraint.name, error, line(constraint.location));
+        return fmt::format("the residual of constraint '{}' jumps to {:.6g} {}", constraint.name, error, sourceOf(constraint.location));
       else if (const double rate = at_.residualRate[row]; std::abs(rate) > slow)
         return fmt::format("the velocity of constraint '{}' jumps by {:.6g}, which only contacts may {}", constraint.name, std::abs(rate),
-                           line(constraint.location));
+                           sourceOf(constraint.location));
   }
   return {};
 }
@@ -90,9 +90,7 @@ std::string ModeSelection::negativeFriction() const {
   const tf_model &model = at_.model();
   for (int i = 0; i < model.nc; ++i)
     if (candidates_[i] && at_.friction[i] < 0)
-      return fmt::format("the friction coefficient of contact '{}' is {:.6g}, it cannot be negative ({}:{})", model.contacts[i].name,
-                         at_.friction[i], model.contacts[i].location.file != nullptr ? model.contacts[i].location.file : "",
-                         model.contacts[i].location.line);
+      return negativeFrictionOf(model.contacts[i], at_.friction[i]);
   return {};
 }
 

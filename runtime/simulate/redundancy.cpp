@@ -1,4 +1,5 @@
 #include "runtime/simulate/redundancy.h"
+#include "runtime/simulate/source_texts.h"
 
 #include <fmt/format.h>
 
@@ -49,10 +50,9 @@ std::vector<std::string> Redundancy::newlyRedundant() {
     sources.reserve(dependent.sources.size());
     for (const int source : dependent.sources)
       sources.push_back(nameOf(source));
-    const tf_location &location = constraintOf(dependent.row).location;
-    texts.push_back(fmt::format("constraint {} {} ({}:{})", nameOf(dependent.row),
+    texts.push_back(fmt::format("constraint {} {} {}", nameOf(dependent.row),
                                 sources.empty() ? "moves nothing" : "follows from " + listed(sources),
-                                location.file != nullptr ? location.file : "", location.line));
+                                sourceOf(constraintOf(dependent.row).location)));
   }
   return texts;
 }
@@ -70,7 +70,7 @@ std::string Redundancy::contradiction(double tolerance) {
     if (!(size > accepted * std::max(1.0, constraintOf(row).nominal)))
       continue;
     worst = std::max(worst, size);
-    names.push_back(fmt::format("{} ({}:{})", nameOf(row), constraintOf(row).location.file, constraintOf(row).location.line));
+    names.push_back(fmt::format("{} {}", nameOf(row), sourceOf(constraintOf(row).location)));
   }
   return names.empty()
              ? std::string()

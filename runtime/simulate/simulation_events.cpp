@@ -1,5 +1,6 @@
 // What happens at events: frozen phases, the choice of the mode that follows, rest, jams, the stop and the turn of slips.
 #include "runtime/simulate/simulation_implementation.h"
+#include "runtime/simulate/source_texts.h"
 
 #include <fmt/format.h>
 
@@ -283,8 +284,7 @@ tf_status Simulation::Implementation::differentiateEvent(int guard) {
   std::string names;
   for (const int k : guards) {
     const tf_contact &contact = model_.contacts[all[k].index];
-    const char *file = contact.location.file != nullptr ? contact.location.file : "";
-    names += fmt::format("{}'{}' ({}:{})", names.empty() ? "" : ", ", contact.name, file, contact.location.line);
+    names += fmt::format("{}'{}' {}", names.empty() ? "" : ", ", contact.name, sourceOf(contact.location));
   }
   return failSensitivities(fmt::format("the impact of {}, which come one after the other nearby,", names));
 }

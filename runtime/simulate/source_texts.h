@@ -1,0 +1,16 @@
+// Parts of messages that name elements of the model and where they stand in its source.
+#pragma once
+
+#include "runtime/abi/tf_model.h"
+
+#include <string>
+
+namespace tf::runtime {
+
+// "(file:line)"
+[[nodiscard]] std::string sourceOf(const tf_location &location);
+
+// A contact's friction coefficient at some point is below zero.
+[[nodiscard]] std::string negativeFrictionOf(const tf_contact &contact, double coefficient);
+
+}  // namespace tf::runtime
