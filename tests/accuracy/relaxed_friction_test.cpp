@@ -1,6 +1,7 @@
 // Relaxed friction of slips of two components, c3 = ‖slip‖ − slipRadius: against closed forms of its law (outside of the disk, inside and
 // on its edge), and its convergence to Coulomb's exact law.
 #include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/tumbling_box.h"
 
 #include <algorithm>
 #include <cmath>
@@ -220,19 +221,7 @@ end Damped;
 }
 
 std::string box() {
-  return sourceFile("relaxed_box.tf", R"(
-model Box
-  parameter Real h[3] = {0.3, 0.2, 0.1}, mu = 0.4, e = 0.3, v[3] = {1, 0.5, 0}, w[3] = {1, 2, 3}, radius = 1e-4;
-  parameter Real s[8, 3] = {{1, 1, 1}, {1, 1, -1}, {1, -1, 1}, {1, -1, -1}, {-1, 1, 1}, {-1, 1, -1}, {-1, -1, 1}, {-1, -1, -1}};
-  coordinate Real p[3](start = {0, 0, 1}, der(start = v));
-  coordinate Rotation R(w(start = w));
-  body box(mass = 2, position = p, orientation = R, inertia = 2/3*diagonal({h[2]^2 + h[3]^2, h[1]^2 + h[3]^2, h[1]^2 + h[2]^2}));
-  gravity weight(acceleration = {0, 0, -9.81});
-  Real corner[8, 3] = {p + R*{s[i, 1]*h[1], s[i, 2]*h[2], s[i, 3]*h[3]} for i in 1:8};
-  contact floor[8](gap = corner[:, 3], slip = {der(corner[i, 1:2]) for i in 1:8}, each friction = mu, each restitution = e,
-                   each frictionForm = FrictionForm.Relaxed, each slipRadius = radius);
-end Box;
-)");
+  return tumblingBox("relaxed_box.tf", ", radius = 1e-4", "each frictionForm = FrictionForm.Relaxed, each slipRadius = radius");
 }
 
 // Faces that slide and turn on their four corners. Energy does not rise: the push inside of the disk does as little work as its edge
