@@ -51,6 +51,10 @@ public:
     return commonSlack_;
   }
 
+  // How far rows of a polyhedron that depended on others when it was chosen contradict them now, relative to the force scale.
+  [[nodiscard]] bool mayContradict() const { return !conic_ && polyhedron_.dependent(); }
+  [[nodiscard]] double contradiction() const { return polyhedron_.contradiction() / forceScale_; }
+
   // Of a saturated limit of a polyhedron, in the unit of forces.
   [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
   // Slack of limits()[k] at forces().

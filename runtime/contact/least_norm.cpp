@@ -38,6 +38,13 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
 
 double LeastNorm::slack(int constraint) const { return denseDot(normals_.column(constraint), x_.data(), variables_) - bounds_[constraint]; }
 
+double LeastNorm::contradiction() const {
+  double worst = 0;
+  for (int c = 0; dependent_ && c < equations_; ++c)
+    worst = std::max(worst, std::abs(slack(c)));
+  return worst;
+}
+
 void LeastNorm::formBasis() {
   if (!isReflected_)
     return;
@@ -215,10 +222,7 @@ LeastNorm::Status LeastNorm::solveEquations(double tolerance) {
       dependent_ = true;
   }
   solveReflected();
-  for (int c = 0; dependent_ && c < equations_; ++c)
-    if (std::abs(slack(c)) > tolerance)
-      return Status::Contradictory;
-  return Status::Solved;
+  return contradiction() > tolerance ? Status::Contradictory : Status::Solved;
 }
 
 LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {

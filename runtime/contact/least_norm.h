@@ -41,6 +41,8 @@ public:
   [[nodiscard]] double slack(int constraint) const;
   // Some equation depends on the others.
   [[nodiscard]] bool dependent() const { return dependent_; }
+  // The largest residual of the equations at the point: of those that depended on others in the last `solve`.
+  [[nodiscard]] double contradiction() const;
 
 private:
   void formBasis();

@@ -15,6 +15,10 @@ constexpr double feasibility = 1e-9;
 // And to this where the set has just become empty: dependent equations leave a residual there, and what follows is decided with such
 // forces.
 constexpr double coarseFeasibility = 1e-7;
+// Redundant rows contradict one another by rounding, relative to the force scale; where they do by more, they no longer depend on each
+// other. Well above what the contact solver accepts, so that the mode is not chosen again.
+constexpr double contradiction = 1e-9;
+constexpr int allLimits = -1, allRows = -2;
 
 }  // namespace
 
@@ -24,13 +28,14 @@ struct ModeForces::Workspace {
   const ContactProblem *problem = nullptr;  // of the last evaluation
   std::vector<ModeMargin> margins;
   std::vector<double> values;
-  bool isCurrent = true;  // `values` are those of the last evaluation
+  bool isCurrent = true;           // `values` are those of the last evaluation
+  double allowed = contradiction;  // between redundant rows
 
   void listMargins() {
     margins.clear();
     const bool conic = redundant && set.isConic();
     if (conic && !set.isInside())
-      margins.push_back({{-1, 0}, false});
+      margins.push_back({{allLimits, 0}, false});
     for (std::size_t k = 0; conic && set.isInside() && k < set.limits().size(); ++k)
       margins.push_back({set.limits()[k], false});
     if (conic) {
@@ -39,16 +44,22 @@ struct ModeForces::Workspace {
     }
     for (std::size_t k = 0; k < set.limits().size(); ++k)
       margins.push_back({set.limits()[k], redundant && set.saturated(static_cast<int>(k)) >= 0});
+    if (redundant && set.mayContradict())
+      margins.push_back({{allRows, 0}, false});
     values.resize(margins.size());
   }
-  // The common slack of redundant forces costs more than they do, and is needed at the ends of steps only.
-  void evaluateMargins(const ContactProblem &at) {
+  // Margins are needed at the ends of steps only.
+  void setProblem(const ContactProblem &at) {
     problem = &at;
-    isCurrent = margins.empty() || margins.front().limit.row >= 0;
-    for (std::size_t k = 0; isCurrent && k < margins.size(); ++k) {
-      const int limit = static_cast<int>(k);
-      values[k] = margins[k].multiplier ? set.multiplier(set.saturated(limit)) : set.slack(at, limit);
-    }
+    isCurrent = false;
+  }
+  [[nodiscard]] double value(int k) {
+    const ModeMargin &margin = margins[k];
+    if (margin.limit.row == allLimits)
+      return set.commonSlack();
+    if (margin.limit.row == allRows)
+      return set.forceScale() * (1 - set.contradiction() / allowed);
+    return margin.multiplier ? set.multiplier(set.saturated(k)) : set.slack(*problem, k);
   }
 };
 
@@ -67,8 +78,9 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode) {
             w.set.solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved;
   else
     valid = w.set.solveRegular(problem);
+  w.allowed = w.redundant && w.set.mayContradict() ? std::max(contradiction, 10 * w.set.contradiction()) : contradiction;
   w.listMargins();
-  w.evaluateMargins(problem);
+  w.setProblem(problem);
   return valid;
 }
 
@@ -76,7 +88,7 @@ bool ModeForces::evaluate(const ContactProblem &problem) {
   Workspace &w = *work_;
   const bool valid = w.redundant ? w.set.solveActive(problem) : w.set.solveRegular(problem);
   if (valid)
-    w.evaluateMargins(problem);
+    w.setProblem(problem);
   return valid;
 }
 
@@ -85,15 +97,16 @@ std::span<const double> ModeForces::accelerations() const { return work_->set.ac
 bool ModeForces::redundant() const { return work_->redundant; }
 std::span<const ModeMargin> ModeForces::margins() const { return work_->margins; }
 std::span<const double> ModeForces::marginValues() const {
-  if (!work_->isCurrent)
-    work_->values.front() = work_->set.commonSlack();
-  work_->isCurrent = true;
-  return work_->values;
+  Workspace &w = *work_;
+  for (std::size_t k = 0; !w.isCurrent && k < w.margins.size(); ++k)
+    w.values[k] = w.value(static_cast<int>(k));
+  w.isCurrent = true;
+  return w.values;
 }
 
 MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;
-  if (!w.redundant)
+  if (!w.redundant || w.margins[margin].limit.row == allRows)
     return MarginOutcome::ModeEnds;
   if (w.set.isConic()) {
     if (!w.set.isInside() || w.set.confine(*w.problem, feasibility) != LeastNorm::Status::Solved)
@@ -103,7 +116,7 @@ MarginOutcome ModeForces::cross(int margin) {
   else if (w.set.activate(margin) == LeastNorm::Status::Empty)
     return MarginOutcome::ModeEnds;
   w.listMargins();
-  w.evaluateMargins(*w.problem);
+  w.setProblem(*w.problem);
   return MarginOutcome::Rechosen;
 }
 

@@ -13,7 +13,8 @@ namespace tf::runtime {
 
 // An inequality that holds in the mode; it ends, or its representative changes, where the value falls to zero.
 struct ModeMargin {
-  ForceLimit limit;         // row −1: all of them, the value is their largest common slack
+  // row −1: all of them, the value is their largest common slack; row −2: what redundant rows may still contradict one another by
+  ForceLimit limit;
   bool multiplier = false;  // the limit is saturated: the value is its multiplier, and zero means that the representative leaves it
 };
 

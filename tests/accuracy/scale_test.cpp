@@ -70,6 +70,17 @@ TEST_P(ShortChain, IsTheSameWithOtherIntegrators) {
 
 INSTANTIATE_TEST_SUITE_P(Links, ShortChain, testing::Values(2, 3, 5, 10), testing::PrintToStringParamName());
 
+// A straight piece of chain lies on the floor, its ends stick, and a node between them rises: its two rods pull at both ends along one
+// line, so that who holds them is open there, and one end must slip from the next instant on. Whoever misses that takes energy out.
+TEST(LongChain, KeepsItsBalanceWhereAStraightPieceIsBent) {
+  CompiledModel model(chainOf(20), {{"r[2]", 1}});
+  model.tolerance(1e-9);
+  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  model.initialise();
+  model.advance(0.62);
+  EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, 1e-9);
+}
+
 // Rods that are described by one end, so that each has a full block of the mass matrix; they fall on the floor far from one another.
 std::string rods(int first, int count) {
   return "model Rods\n  parameter Integer first = " + std::to_string(first) + ";\n  parameter Integer n = " + std::to_string(count) + R"(;

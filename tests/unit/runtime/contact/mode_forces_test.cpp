@@ -233,5 +233,24 @@ TEST(ModeForces, ContradictoryRedundantRowsAreRefused) {
   EXPECT_FALSE(forces.start(problem, modeOf({1, 1}, {})));
 }
 
+// Rows that depend on each other where the mode begins need not do so later: what one of them cannot follow ends the mode.
+TEST(ModeForces, RedundantRowsThatBeginToContradictEndTheMode) {
+  ContactProblem problem;
+  problem.resize(2, 0);
+  problem.delassus.map() << 1, 1, 1, 1;
+  problem.bias = {-1, -1};
+  ModeForces forces;
+  ASSERT_TRUE(forces.start(problem, modeOf({1, 1}, {})));
+  ASSERT_EQ(forces.margins().size(), 3U);
+  EXPECT_GT(forces.marginValues()[2], 0.5);
+  problem.bias[1] = -1 - 1e-12;
+  ASSERT_TRUE(forces.evaluate(problem));
+  EXPECT_GT(forces.marginValues()[2], 0.5);
+  problem.bias[1] = -1 - 1e-7;
+  ASSERT_TRUE(forces.evaluate(problem));
+  EXPECT_LT(forces.marginValues()[2], 0);
+  EXPECT_EQ(forces.cross(2), MarginOutcome::ModeEnds);
+}
+
 }  // namespace
 }  // namespace tf::runtime
