@@ -183,7 +183,8 @@ private:
     done_[position(id)] = 1;
   }
 
-  // Sine and cosine of the same argument are evaluated side by side, where the back end makes one call of the two.
+  // Sine and cosine of the same argument are evaluated side by side, where the back end makes one call of the two: it costs hardly more
+  // than the call of one, so that a partner follows the other out of its group.
   void findPartners() {
     std::unordered_map<NodeId, NodeId> firstOf;  // by argument
     for (const NodeId id : reached_.nodes()) {
@@ -196,6 +197,9 @@ private:
         partners_[first->second] = id;
       }
     }
+    for (const auto &[id, partner] : partners_)
+      if (homes_[position(id)] == always)
+        homes_[position(partner)] = always;
   }
 
   void addRegion(Unit region) {

@@ -15,6 +15,9 @@ namespace {
 
 constexpr auto always = [](std::size_t) { return -1; };
 
+// Entries of M and of the contact rows up to which the code that evaluates both at once is worth its compile time.
+constexpr int mostFusedEntries = 200;
+
 // Collects the stores of one function. Structural zeros are stored too: callers see complete arrays.
 class FunctionBuilder {
 public:
@@ -91,8 +94,11 @@ public:
   ir::Function dynamicsDerivatives();
   ir::Function outputs();
   ir::Function energies();
+  ir::Function contactDynamics();
 
 private:
+  void addDynamics(FunctionBuilder &builder);
+  void addContactTerms(FunctionBuilder &builder);
   void assign(int first, int count, int group) { std::fill_n(rowGroup_.begin() + first, count, group); }
 
   // Nodes of all tangential rows' bounds: 0 on contacts' rows.
@@ -188,8 +194,7 @@ ir::Function ModelFunctions::kinematicsDerivatives() {
   return builder.take();
 }
 
-ir::Function ModelFunctions::dynamics() {
-  FunctionBuilder builder("dynamics");
+void ModelFunctions::addDynamics(FunctionBuilder &builder) {
   if (system_.massProduct.empty()) {
     builder.buffer(system_.mass);
   } else {
@@ -200,6 +205,11 @@ ir::Function ModelFunctions::dynamics() {
   }
   builder.buffer(system_.force);
   builder.buffer(system_.stateDerivatives);
+}
+
+ir::Function ModelFunctions::dynamics() {
+  FunctionBuilder builder("dynamics");
+  addDynamics(builder);
   return builder.take();
 }
 
@@ -224,8 +234,7 @@ ir::Function ModelFunctions::switching() {
   return builder.take();
 }
 
-ir::Function ModelFunctions::contactTerms() {
-  FunctionBuilder builder("contact_terms", contacts_ + frictions_);
+void ModelFunctions::addContactTerms(FunctionBuilder &builder) {
   const int normal = builder.emptyBuffer(contacts_ * system_.nv), normalBias = builder.emptyBuffer(contacts_);
   const int tangent = builder.emptyBuffer(tangents_ * system_.nv), tangentBias = builder.emptyBuffer(tangents_);
   const int friction = builder.emptyBuffer(contacts_), bound = builder.emptyBuffer(tangents_);
@@ -251,6 +260,21 @@ ir::Function ModelFunctions::contactTerms() {
     const int seeds = contacts_ + tangents_;
     builder.sweep(system_.contactForce, ir::seedStructure(graph_, system_.contactForce, seeds), seeds, ir::SweepOver::Rows, rows);
   }
+}
+
+ir::Function ModelFunctions::contactTerms() {
+  FunctionBuilder builder("contact_terms", contacts_ + frictions_);
+  addContactTerms(builder);
+  return builder.take();
+}
+
+ir::Function ModelFunctions::contactDynamics() {
+  const int rows = contacts_ + tangents_;
+  if (rows == 0 || system_.nv * (system_.nv + rows) > mostFusedEntries || !system_.massProduct.empty() || !system_.contactForce.empty())
+    return {};
+  FunctionBuilder builder("contact_dynamics", contacts_ + frictions_);
+  addDynamics(builder);
+  addContactTerms(builder);
   return builder.take();
 }
 
@@ -401,6 +425,7 @@ std::vector<ir::Function> modelFunctions(HybridSystem &system) {
   all.push_back(functions.dynamicsDerivatives());
   all.push_back(functions.outputs());
   all.push_back(functions.energies());
+  all.push_back(functions.contactDynamics());
   return all;
 }
 

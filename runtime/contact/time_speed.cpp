@@ -6,7 +6,7 @@
 
 namespace tf::runtime {
 
-double timeSpeed(std::span<const double> normalForce, std::span<const double> rate) {
+double timeSpeedOfSeveral(std::span<const double> normalForce, std::span<const double> rate) {
   double largest = 0, sum = 0;  // of λ_i / a_i
   int loaded = 0;
   for (std::size_t i = 0; i < normalForce.size(); ++i) {

@@ -28,26 +28,38 @@ DormandPrince::DormandPrince(int size)
     : ElementMethod(size), stages_(static_cast<std::size_t>(size) * 5), dense_(static_cast<std::size_t>(size) * 4), point_(size),
       begin_(size), beginRate_(size) {}
 
-bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
+// k_(s + 2) out of those before it.
+template <int s> bool DormandPrince::solveStage(ModeDynamics &dynamics, double t0) {
+  const int n = n_;
+  const double h = h_;
+  const double *y0 = begin_.data(), *f0 = beginRate_.data(), *k = stages_.data();
+  double *point = point_.data();
+  for (int i = 0; i < n; ++i) {
+    double sum = weights[s][0] * f0[i];
+    for (int j = 1; j <= s; ++j)
+      sum += weights[s][j] * k[(j - 1) * n + i];
+    point[i] = y0[i] + h * sum;
+  }
+  return dynamics.evaluate(t0 + nodes[s] * h, point, stages_.data() + s * n);
+}
+
+bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                           double /*accuracy*/) {
   h_ = h;
   hasDense_ = false;
-  std::copy_n(y0, n_, begin_.begin());
-  std::copy_n(f0, n_, beginRate_.begin());
-  double *k[5];
-  for (int s = 0; s < 5; ++s) {
-    k[s] = stages_.data() + s * n_;
-    for (int i = 0; i < n_; ++i) {
-      double sum = weights[s][0] * f0[i];
-      for (int j = 1; j <= s; ++j)
-        sum += weights[s][j] * k[j - 1][i];
-      point_[i] = y0[i] + h * sum;
-    }
-    if (!dynamics.evaluate(t0 + nodes[s] * h, point_.data(), k[s]))
-      return false;
+  for (int i = 0; i < n_; ++i) {
+    begin_[i] = y0[i];
+    beginRate_[i] = f0[i];
   }
+  if (!solveStage<0>(dynamics, t0) || !solveStage<1>(dynamics, t0) || !solveStage<2>(dynamics, t0) || !solveStage<3>(dynamics, t0) ||
+      !solveStage<4>(dynamics, t0))
+    return false;
+  const double *const k[] = {stages_.data(), stages_.data() + n_, stages_.data() + 2 * n_, stages_.data() + 3 * n_,
+                             stages_.data() + 4 * n_};
   for (int i = 0; i < n_; ++i)
     end_[i] = y0[i] + h * (result[0] * f0[i] + result[1] * k[1][i] + result[2] * k[2][i] + result[3] * k[3][i] + result[4] * k[4][i]);
+  // The rate at the end serves the next step as well: it is to be that of the projected state.
+  dynamics.projectNear(end_.data(), scale);
   if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
     return false;
   for (int i = 0; i < n_; ++i)
@@ -91,11 +103,6 @@ double DormandPrince::stabilityRatio() const {
   return states > 0 ? std::abs(h_) * std::sqrt(rates / states) / border : 0;
 }
 
-double DormandPrince::errorNorm(const double *scale, double tolerance) const {
-  double norm = 0;
-  for (int i = 0; i < n_; ++i)
-    norm = std::max(norm, std::abs(error_[i]) / scale[i]);
-  return norm / tolerance;
-}
+double DormandPrince::errorNorm(const double *scale, double tolerance) const { return largestError(scale) / tolerance; }
 
 }  // namespace tf::runtime

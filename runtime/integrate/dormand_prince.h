@@ -24,6 +24,7 @@ private:
   mutable std::vector<double> dense_;  // coefficients of the dense output, four for each component, once they have been asked for
   mutable bool hasDense_ = false;
   void makeDense() const;
+  template <int s> bool solveStage(ModeDynamics &dynamics, double t0);
   std::vector<double> point_, begin_, beginRate_;
   double h_ = 0;
 };

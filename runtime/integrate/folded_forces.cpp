@@ -5,7 +5,8 @@
 
 namespace tf::runtime {
 
-void FoldedForces::choose(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode, const ModeForces &start) {
+void FoldedForces::choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
+                          const ModeForces &start) {
   const int n = rows.normalCount();
   active_.clear();
   slipping_.clear();
@@ -18,13 +19,48 @@ void FoldedForces::choose(const RowSystem &rows, const ContactRows &problem, con
     else
       slipping_.push_back({row, problem.owner[row - n], sign});
   }
-  margins_.assign(start.margins().begin(), start.margins().end());
   columns_.resize(active_.size() * rows.width());
   responses_.resize(columns_.size());
   force_.resize(rows.width());
   unknowns_.resize(active_.size());
-  forces_.assign(start.forces().begin(), start.forces().end());
-  values_.assign(start.marginValues().begin(), start.marginValues().end());
+  margins_.clear();
+  forces_.clear();
+  values_.clear();
+  if (rows.count() > 0) {
+    margins_.assign(start.margins().begin(), start.margins().end());
+    forces_.assign(start.forces().begin(), start.forces().end());
+    values_.assign(start.marginValues().begin(), start.marginValues().end());
+  }
+  isSmall_ = chooseSmall(at, rows, problem);
+}
+
+bool FoldedForces::chooseSmall(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
+  const int n = rows.normalCount(), nv = rows.width();
+  const auto tangent = [&](int row) { return at.tangent.data() + static_cast<std::ptrdiff_t>(rows.tangents()[row - n]) * nv; };
+  std::vector<SmallSystem::ActiveRow> &active = small_.clear();
+  for (const int row : active_) {
+    if (row < n)
+      active.push_back(
+          {at.normal.data() + static_cast<std::ptrdiff_t>(rows.contacts()[row]) * nv, at.normalBias.data() + rows.contacts()[row]});
+    else
+      active.push_back({tangent(row), at.tangentBias.data() + rows.tangents()[row - n]});
+  }
+  for (const Slipping &slip : slipping_) {
+    const int j = slip.row - n;
+    const auto sign = static_cast<double>(slip.sign);
+    // The rows of a slip with two components turn with it.
+    if (problem.partner[j] >= 0)
+      return false;
+    if (slip.unknown < 0) {
+      small_.addSlipping({tangent(slip.row), at.bound.data() + rows.tangents()[j], sign});
+      continue;
+    }
+    SmallSystem::SlippingRow &own = active[slip.unknown].slip;
+    if (own.jacobian != nullptr)
+      return false;
+    own = {tangent(slip.row), at.friction.data() + rows.contacts()[slip.unknown], sign};
+  }
+  return small_.start(at);
 }
 
 void FoldedForces::foldColumns(const RowSystem &rows, const ContactRows &problem) {
@@ -50,7 +86,6 @@ void FoldedForces::freeForce(const ModelEvaluation &at, const RowSystem &rows, c
     if (slip.unknown >= 0)
       continue;
     const double force = -slip.sign * problem.bound[slip.row - n];
-    forces_[slip.row] = force;
     const double *row = rows.jacobian(slip.row);
     for (int k = 0; k < nv; ++k)
       force_[k] += force * row[k];
@@ -62,8 +97,8 @@ void FoldedForces::expand(const ContactRows &problem) {
   for (std::size_t c = 0; c < active_.size(); ++c)
     forces_[active_[c]] = unknowns_[c];
   for (const Slipping &slip : slipping_)
-    if (slip.unknown >= 0)
-      forces_[slip.row] = -slip.sign * problem.friction[slip.row - n] * unknowns_[slip.unknown];
+    forces_[slip.row] =
+        -slip.sign * (slip.unknown >= 0 ? problem.friction[slip.row - n] * unknowns_[slip.unknown] : problem.bound[slip.row - n]);
   for (std::size_t k = 0; k < margins_.size(); ++k) {
     const ForceLimit &limit = margins_[k].limit;
     const double own = forces_[limit.row];
@@ -71,6 +106,24 @@ void FoldedForces::expand(const ContactRows &problem) {
                  : limit.side == ForceLimit::disk ? problem.limit(limit.row - n, forces_.data()) - std::hypot(own, forces_[limit.row + 1])
                                                   : problem.limit(limit.row - n, forces_.data()) - limit.side * own;
   }
+}
+
+bool FoldedForces::correct(const ModelEvaluation &at, const std::uint8_t *takesPart, const double *residual, double *change) const {
+  double residuals[SmallSystem::mostUnknowns];
+  int count = 0;
+  for (std::size_t c = 0; c < active_.size() && takesPart[active_[c]] != 0; ++c)
+    residuals[count++] = residual[active_[c]];
+  for (std::size_t c = static_cast<std::size_t>(count); c < active_.size(); ++c)
+    if (takesPart[active_[c]] != 0)
+      return false;
+  return small_.correct(at, count, residuals, change);
+}
+
+bool FoldedForces::evaluateSmall(const ModelEvaluation &at, const ContactRows &problem, double *acceleration) {
+  if (!small_.solve(at, unknowns_.data(), acceleration))
+    return false;
+  expand(problem);
+  return true;
 }
 
 bool FoldedForces::evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, double *acceleration) {

@@ -7,6 +7,7 @@
 #include "runtime/contact/lu_factor.h"
 #include "runtime/contact/mode_forces.h"
 #include "runtime/integrate/row_system.h"
+#include "runtime/integrate/small_system.h"
 
 #include <span>
 #include <vector>
@@ -15,11 +16,21 @@ namespace tf::runtime {
 
 class FoldedForces {
 public:
-  // Begins a mode in which all normal rows of `rows` are closed, with the forces and margins of `start`.
-  void choose(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode, const ModeForces &start);
+  // Begins a mode in which all normal rows of `rows` are closed, with the forces and margins of `start`; both may be without rows. The
+  // model has been evaluated.
+  void choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
+              const ModeForces &start);
 
   // Forces and accelerations [nv] at the evaluation's point; `rows` have been gathered there. Allocates nothing. False: singular.
   bool evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, double *acceleration);
+
+  // As well, straight from the model's functions, where `isSmall`: only the limits of `problem` have been gathered, and no mass matrix need
+  // be factorised. False: singular.
+  bool evaluateSmall(const ModelEvaluation &at, const ContactRows &problem, double *acceleration);
+  // change += M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ residual over the rows that take part [rows], where `isSmall`: all normal rows, or all active ones.
+  // False: other rows.
+  bool correct(const ModelEvaluation &at, const std::uint8_t *takesPart, const double *residual, double *change) const;
+  [[nodiscard]] bool isSmall() const { return isSmall_; }
 
   [[nodiscard]] std::span<const double> forces() const { return forces_; }        // n + m
   [[nodiscard]] std::span<const double> marginValues() const { return values_; }  // slack of each margin
@@ -30,6 +41,7 @@ private:
     int row = 0, unknown = -1, sign = 1;
   };
 
+  bool chooseSmall(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
   void foldColumns(const RowSystem &rows, const ContactRows &problem);
   void freeForce(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
   void expand(const ContactRows &problem);
@@ -37,6 +49,8 @@ private:
   std::vector<int> active_;  // rows: all normal ones, then the tangential ones that stick
   std::vector<Slipping> slipping_;
   std::vector<ModeMargin> margins_;
+  SmallSystem small_;
+  bool isSmall_ = false;
   LuFactor factor_;
   std::vector<double> columns_, responses_;  // folded columns of Jᵀ and W times them, nv for each active row
   std::vector<double> force_, unknowns_, forces_, values_;

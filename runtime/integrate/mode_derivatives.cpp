@@ -92,6 +92,7 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   const tf_model &model = at_.model();
   const int nx = at_.columns();
   const std::vector<std::uint8_t> all(mask_.size(), 1);
+  completeRows();
   solveMultipliers();
   at_.dynamicsDerivatives(all.data());
   std::vector<double> direction(rate, rate + model.nq + model.nv + model.nz);

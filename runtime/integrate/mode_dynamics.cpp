@@ -69,15 +69,18 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
 
   starting_ = true;
-  isFolded_ = false;
+  isFolded_ = isSmall_ = false;
+  projection_.use(nullptr);
   isComplete_ = true;
   const bool good = evaluate(time, state, rate);
   starting_ = false;
   if (!good)
     return false;
-  isFolded_ = rows_.count() > 0 && model.nv <= RowSystem::narrow && sliding_.empty() && !forces_.redundant();
+  isFolded_ = model.nv <= RowSystem::narrow && sliding_.empty() && (rows_.count() == 0 || !forces_.redundant());
   if (isFolded_)
-    folded_.choose(rows_, problem_, contactMode_, forces_);
+    folded_.choose(at_, rows_, problem_, contactMode_, forces_);
+  isSmall_ = isFolded_ && folded_.isSmall();
+  projection_.use(isSmall_ ? &folded_ : nullptr);
   buildGuards();
   return true;
 }
@@ -105,6 +108,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
   if (!at_.dynamics())
     return fail(allFinite(at_.massMatrix) && allFinite(at_.constraintJacobian) ? EvaluationFailure::SingularMass
                                                                                : EvaluationFailure::NotFinite);
+  isGathered_ = true;
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());
     rows_.gather(at_, problem_);
@@ -141,13 +145,19 @@ bool ModeDynamics::solveRows(double *freeAcceleration) {
 
 // What folded forces leave out at the point of the last evaluation: W Jᵀ and D, and the forces as a function of them.
 void ModeDynamics::completeRows() {
+  if (!isGathered_) {
+    at_.factoriseMass();
+    rows_.gatherRows(at_);
+  }
+  isGathered_ = true;
   if (!hasRows_)
     rows_.respond(at_, problem_.delassus);
   hasRows_ = true;
 }
 
 void ModeDynamics::complete() {
-  if (!isComplete_)
+  completeRows();
+  if (!isComplete_ && rows_.count() > 0)
     solveRows(change_.data());
 }
 
@@ -232,11 +242,35 @@ bool ModeDynamics::solveSliding() {
 }
 
 bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
-  const tf_model &model = at_.model();
+  // What fails there is found and named here.
+  if (isSmall_ && evaluateSmall(time, state, rate))
+    return true;
   if (!prepare(time, state) || !solveForces())
     return false;
   if (!sliding_.empty() && !solveSliding())
     return false;
+  return giveRate(rate);
+}
+
+bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate) {
+  ++evaluations_;
+  failure_ = EvaluationFailure::None;
+  at_.setPoint(time, state);
+  isGathered_ = hasRows_ = isComplete_ = false;
+  if (rows_.count() > 0) {
+    at_.contactForces(mask_.data());
+    rows_.gatherLimits(at_, problem_);
+    if (frictionIsNegative())
+      return false;
+  } else {
+    at_.forces();
+  }
+  return folded_.evaluateSmall(at_, problem_, at_.acceleration.data()) && giveRate(rate);
+}
+
+// Out of the forces, accelerations and state derivatives.
+bool ModeDynamics::giveRate(double *rate) {
+  const tf_model &model = at_.model();
   const int normals = rows_.normalCount();
   if (rows_.count() > 0) {
     const auto forces = rowForces();
@@ -246,8 +280,11 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
   }
   timeSpeed_ = normals > 0 ? tf::runtime::timeSpeed(closedForce_, closedRate_) : 1;
   at_.kinematics(rate);
-  std::copy_n(at_.acceleration.data(), model.nv, rate + model.nq);
-  std::copy_n(at_.stateRate.data(), model.nz, rate + model.nq + model.nv);
+  double *rest = rate + model.nq;
+  for (int i = 0; i < model.nv; ++i)
+    *rest++ = at_.acceleration[i];
+  for (int i = 0; i < model.nz; ++i)
+    *rest++ = at_.stateRate[i];
   rate[size() - 1] = 1 / timeSpeed_;
   if (!allFinite(rate, size()))
     return fail(EvaluationFailure::NotFinite);
@@ -293,6 +330,7 @@ bool ModeDynamics::stop(double time, double *state) {
     return false;
   if (rows_.count() == 0)
     return true;
+  complete();
   const tf_model &model = at_.model();
   const int normals = rows_.normalCount();
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
@@ -323,6 +361,7 @@ double ModeDynamics::frictionPower() {
 }
 
 double ModeDynamics::reactionPower() {
+  completeRows();
   const tf_model &model = at_.model();
   const double *velocities = at_.velocities();
   double power = 0;

@@ -100,8 +100,14 @@ public:
   double project(double *state, const double *scale) {
     if (!projection_.isNeeded())
       return 0;
-    completeRows();
+    if (!isSmall_)
+      completeRows();
     return projection_.project(state, scale, nothingStops_.data());
+  }
+  // As well, for a state near the last evaluation's point, at the same time, with the rows of that one; only where that costs little.
+  void projectNear(double *state, const double *scale) {
+    if (isSmall_ && rows_.count() > 0)
+      projection_.project(state, scale, nothingStops_.data());
   }
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
   // `slow`: slips of one body stop together.
@@ -130,6 +136,8 @@ public:
 
 private:
   bool prepare(double time, const double *state);
+  bool evaluateSmall(double time, const double *state, double *rate);
+  bool giveRate(double *rate);
   [[nodiscard]] bool frictionIsNegative() const;
   bool solveForces();
   bool solveRows(double *freeAcceleration);
@@ -155,7 +163,9 @@ private:
   ModeForces forces_;
   FoldedForces folded_;
   bool isFolded_ = false;    // folded_ gives the forces
-  bool hasRows_ = false;     // rows_ and D are those of the last evaluation too
+  bool isSmall_ = false;     // by evaluateSmall
+  bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M
+  bool hasRows_ = false;     // D is that of the last evaluation too
   bool isComplete_ = false;  // and forces_
   SlipDirections slips_;
   Projection projection_;

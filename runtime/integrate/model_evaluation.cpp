@@ -87,12 +87,25 @@ void ModelEvaluation::setPoint(double time, const double *state) {
 
 bool ModelEvaluation::dynamics() {
   forces();
-  if (model_->mass_is_constant == 0 && model_->nv > 0 && !mobility.setMass(massMatrix.data()))
+  if (!factoriseMass())
     return false;
   if (model_->nh == 0)
     return true;
   constraintRows();
   return mobility.setConstraints(constraintJacobian.data());
+}
+
+bool ModelEvaluation::factoriseMass() { return model_->mass_is_constant != 0 || model_->nv == 0 || mobility.setMass(massMatrix.data()); }
+
+void ModelEvaluation::contactForces(const std::uint8_t *mask) {
+  if (model_->contact_dynamics == nullptr) {
+    forces();
+    contactTerms(mask);
+    return;
+  }
+  double *const out[] = {massMatrix.data(), force.data(),       stateRate.data(), normal.data(), normalBias.data(),
+                         tangent.data(),    tangentBias.data(), friction.data(),  bound.data()};
+  model_->contact_dynamics(in_, out, mask);
 }
 
 void ModelEvaluation::forces() {
@@ -178,7 +191,8 @@ void ModelEvaluation::dynamicsDerivatives(const std::uint8_t *mask) {
 
 void ModelEvaluation::kinematics(double *qDot) const {
   if (model_->kinematics == nullptr) {
-    std::copy_n(in_[TF_IN_V], model_->nv, qDot);
+    for (int i = 0; i < model_->nv; ++i)
+      qDot[i] = in_[TF_IN_V][i];
     return;
   }
   double *const out[] = {qDot};

@@ -30,6 +30,10 @@ public:
   bool dynamics();
   // f and z' for new step variables at the same point.
   void forces();
+  // f and z' (and M, which is not factorised) with the terms of the contacts and friction elements of mask [nc + nf].
+  void contactForces(const std::uint8_t *mask);
+  // Factorises a mass matrix that is not constant. False: it is not positive definite.
+  bool factoriseMass();
   enum SwitchingPart : std::uint8_t { Gaps = 1, Slips = 2, Conditions = 4 };
   void switching(int parts = Gaps | Slips | Conditions);
   // Gaps and slips of some contacts only, mask [nc]; the others keep their values.

@@ -20,9 +20,15 @@ void Projection::resize() {
 
 bool Projection::isNeeded() const { return rows_.count() > 0 || at_.model().nh > 0 || at_.model().nr > 0; }
 
-// target += W Jᵀ x with D x = residual_ on the rows that take part. Where D is singular there any solution makes the same motion: residuals
-// are consistent but for rounding, which no motion of redundant rows can remove.
+// target += W Jᵀ x with D x = residual_ on the rows that take part.
 void Projection::correct(double *target) {
+  if (forces_ == nullptr || !forces_->correct(at_, corrected_.data(), residual_.data(), target))
+    correctWithDelassus(target);
+}
+
+// Where D is singular any solution makes the same motion: residuals are consistent but for rounding, which no motion of redundant rows can
+// remove.
+void Projection::correctWithDelassus(double *target) {
   constexpr double dependence = 1e-11;
   const int rows = rows_.count();
   if (factored_ != corrected_) {
@@ -47,6 +53,9 @@ void Projection::correct(double *target) {
   rows_.accelerate(impulse_.data(), target);
 }
 
+// Change of a row's gap or velocity by what the constraints have changed.
+double Projection::changeAlong(int row) const { return at_.model().nh > 0 ? rows_.product(row, change_.data()) : 0; }
+
 // Residuals of gaps and holonomic constraints, these already corrected in change_; the largest one relative to its nominal.
 double Projection::coordinateResiduals() {
   const tf_model &model = at_.model();
@@ -66,7 +75,7 @@ double Projection::coordinateResiduals() {
   for (int i = 0; i < rows_.count(); ++i) {
     const bool isNormal = i < rows_.normalCount();
     corrected_[i] = isNormal;
-    residual_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - rows_.product(i, change_.data()) : 0;
+    residual_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - changeAlong(i) : 0;
     if (isNormal)
       worst = std::max(worst, std::abs(residual_[i]) / model.contacts[rows_.contacts()[i]].nominal);
   }
@@ -74,8 +83,8 @@ double Projection::coordinateResiduals() {
 }
 
 // Newton's method with the rows of the last evaluation: its error after one correction is the product of the correction and the change of
-// the rows.
-void Projection::projectCoordinates(double *state) {
+// the rows. True: gap rates are those of the coordinates as they are now.
+bool Projection::projectCoordinates(double *state) {
   constexpr int mostCorrections = 5;
   constexpr double rounding = 1e-14;
   // First of all: a quaternion's length changes gaps, and every correction makes it 1.
@@ -83,15 +92,16 @@ void Projection::projectCoordinates(double *state) {
   double previous = std::numeric_limits<double>::infinity();
   for (int correction = 0; correction < mostCorrections; ++correction) {
     const double worst = coordinateResiduals();
-    if (correction > 0 && (worst <= rounding || worst > 0.5 * previous))
-      return;
+    if (worst <= rounding || worst > 0.5 * previous)
+      return true;
     previous = worst;
     correct(change_.data());
     at_.moveCoordinates(state, change_.data());
   }
+  return false;
 }
 
-void Projection::projectVelocities(double *velocities, const std::uint8_t *stopped) {
+void Projection::projectVelocities(double *velocities, const std::uint8_t *stopped, bool hasGapRates) {
   const tf_model &model = at_.model();
   std::fill(change_.begin(), change_.end(), 0.0);
   if (model.nh > 0) {
@@ -101,13 +111,23 @@ void Projection::projectVelocities(double *velocities, const std::uint8_t *stopp
     at_.mobility.correct(constraintChange_.data(), change_.data());
   }
   const int rows = rows_.count(), normals = rows_.normalCount();
-  if (rows > 0)
-    at_.switching(ModelEvaluation::Gaps | (rows > normals ? ModelEvaluation::Slips : 0));
+  bool anySticks = false;
   for (int i = 0; i < rows; ++i) {
     const int j = i - normals;
     corrected_[i] = i < normals || problem_.slipSign[j] == 0 || stopped[j] != 0;
+    anySticks = anySticks || (corrected_[i] != 0 && i >= normals);
+  }
+  const int parts = (rows > 0 && !hasGapRates ? ModelEvaluation::Gaps : 0) | (anySticks ? ModelEvaluation::Slips : 0);
+  if (parts != 0)
+    at_.switching(parts);
+  for (int i = 0; i < rows; ++i) {
+    const int j = i - normals;
+    if (corrected_[i] == 0) {
+      residual_[i] = 0;
+      continue;
+    }
     const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : rows_.tangentValue(at_.slip.data(), 1, j);
-    residual_[i] = corrected_[i] ? -rate - rows_.product(i, change_.data()) : 0;
+    residual_[i] = -rate - changeAlong(i);
   }
   correct(change_.data());
   for (int i = 0; i < model.nv; ++i)
@@ -121,8 +141,8 @@ double Projection::project(double *state, const double *scale, const std::uint8_
   at_.setPoint(at_.time(), state);
   factored_.clear();
   std::copy_n(state, model.nq + model.nv, before_.begin());
-  projectCoordinates(state);
-  projectVelocities(state + model.nq, stopped);
+  const bool hasGapRates = projectCoordinates(state);
+  projectVelocities(state + model.nq, stopped, hasGapRates);
   double size = 0;
   for (int k = 0; k < model.nq + model.nv; ++k)
     size = std::max(size, std::abs(state[k] - before_[k]) / scale[k]);

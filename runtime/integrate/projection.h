@@ -3,6 +3,7 @@
 #pragma once
 
 #include "runtime/contact/semidefinite_factor.h"
+#include "runtime/integrate/folded_forces.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/row_system.h"
 
@@ -13,26 +14,31 @@ namespace tf::runtime {
 
 class Projection {
 public:
-  // The rows of the mode, with D, as of the latest evaluation of its dynamics; both must outlive the projection.
+  // The rows of the mode, with D unless `use` says otherwise, as of the latest evaluation of its dynamics; both must outlive the
+  // projection.
   Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem);
 
-  // The rows have been chosen anew.
+  // The rows have been chosen anew. With `forces` that are small, D is not needed.
   void resize();
+  void use(const FoldedForces *forces) { forces_ = forces; }
   [[nodiscard]] bool isNeeded() const;
-  // Moves (q, v) of `state`, which is the point of the latest evaluation, onto gap = 0, gap rate = 0 and slip = 0 where problem.slipSign is
-  // 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length. Returns the size of the correction
-  // relative to `scale` [n].
+  // Moves (q, v) of `state`, which is the point of the latest evaluation or near it, onto gap = 0, gap rate = 0 and slip = 0 where
+  // problem.slipSign is 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length. Returns the size
+  // of the correction relative to `scale` [n].
   double project(double *state, const double *scale, const std::uint8_t *stopped);
 
 private:
   void correct(double *target);
+  void correctWithDelassus(double *target);
+  [[nodiscard]] double changeAlong(int row) const;
   double coordinateResiduals();
-  void projectCoordinates(double *state);
-  void projectVelocities(double *velocities, const std::uint8_t *stopped);
+  bool projectCoordinates(double *state);
+  void projectVelocities(double *velocities, const std::uint8_t *stopped, bool hasGapRates);
 
   ModelEvaluation &at_;
   const RowSystem &rows_;
   const ContactProblem &problem_;
+  const FoldedForces *forces_ = nullptr;
   std::vector<std::uint8_t> corrected_, factored_;  // rows that take part; those of factor_ (none: to be made)
   std::vector<int> chosen_;                         // those rows
   SemidefiniteFactor factor_;                       // D of the chosen rows

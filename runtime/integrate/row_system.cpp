@@ -40,7 +40,7 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
 }
 
 // Rows are read as a whole where that costs no more than looking for their zeros.
-void RowSystem::gather(const ModelEvaluation &at, ContactRows &rows) {
+void RowSystem::gatherRows(const ModelEvaluation &at) {
   const int n = normalCount();
   const int m = count();
   for (int i = 0; i < m; ++i) {
@@ -61,7 +61,10 @@ void RowSystem::gather(const ModelEvaluation &at, ContactRows &rows) {
     while (nv_ > narrow && end_[i] > begin_[i] && row[end_[i] - 1] == 0)
       --end_[i];
   }
-  for (int j = 0; j < m - n; ++j) {
+}
+
+void RowSystem::gatherLimits(const ModelEvaluation &at, ContactRows &rows) const {
+  for (int j = 0; j < static_cast<int>(tangents_.size()); ++j) {
     if (contactOf_[j] >= 0)
       rows.friction[j] = at.friction[contactOf_[j]];
     else

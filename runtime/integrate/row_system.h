@@ -27,7 +27,12 @@ public:
     respond(at, delassus);
   }
   // J, friction and bounds alone. The second row of a pair with slipSign ≠ 0 has none: its frame lies along the slip.
-  void gather(const ModelEvaluation &at, ContactRows &rows);
+  void gather(const ModelEvaluation &at, ContactRows &rows) {
+    gatherRows(at);
+    gatherLimits(at, rows);
+  }
+  void gatherRows(const ModelEvaluation &at);
+  void gatherLimits(const ModelEvaluation &at, ContactRows &rows) const;
   // Z and D, of the rows gathered at the same point.
   void respond(const ModelEvaluation &at, DenseMatrix &delassus);
   // bias_i = J_i · acceleration + bias of the row

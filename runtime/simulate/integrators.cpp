@@ -2,6 +2,7 @@
 
 #include "runtime/integrate/cvode_integrator.h"
 #include "runtime/integrate/dormand_prince.h"
+#include "runtime/integrate/dormand_prince_8.h"
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/integrate/radau.h"
 
@@ -13,6 +14,18 @@
 #include <string_view>
 
 namespace tf::runtime {
+
+namespace {
+
+// Order 8 pays where the tolerance is tight; elsewhere its steps, of twelve evaluations, are too long for the pieces between events.
+std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings) {
+  constexpr double tight = 2e-9;
+  if (settings.fixedStep > 0 || settings.tolerance > tight)
+    return std::make_unique<DormandPrince>(size);
+  return std::make_unique<DormandPrince8>(size);
+}
+
+}  // namespace
 
 IntegratorSettings Integrators::settings(const SimulationOptions &options) const {
   const tf_model &model = dynamics_.model().model();
@@ -50,7 +63,7 @@ void Integrators::make(const SimulationOptions &options) {
   else if (primaryIsStep_)
     primary_ = element(std::make_unique<Radau>(n, options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3));
   else
-    primary_ = element(std::make_unique<DormandPrince>(n));
+    primary_ = element(explicitMethod(n, settings));
   const tf_model &model = dynamics_.model().model();
   if (wanted_ != TF_STEP && (std::any_of(model.contacts, model.contacts + model.nc, sharesDisk<tf_contact>) ||
                              std::any_of(model.frictions, model.frictions + model.nf, sharesDisk<tf_friction>)))
