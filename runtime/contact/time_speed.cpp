@@ -6,7 +6,7 @@
 
 namespace tf::runtime {
 
-double timeSpeedOfSeveral(std::span<const double> normalForce, std::span<const double> rate) {
+double timeSpeed(std::span<const double> normalForce, std::span<const double> rate) {
   double largest = 0, sum = 0;  // of λ_i / a_i
   int loaded = 0;
   for (std::size_t i = 0; i < normalForce.size(); ++i) {
@@ -43,6 +43,18 @@ double timeSpeedOfSeveral(std::span<const double> normalForce, std::span<const d
       break;
   }
   return beta;
+}
+
+double numericalTimeRate(std::span<const double> normalForce, std::span<const double> rate) {
+  if (normalForce.empty())
+    return 1;
+  if (normalForce.size() > 2)
+    return 1 / timeSpeed(normalForce, rate);
+  const double first = normalForce[0] / rate[0];
+  if (normalForce.size() == 1)
+    return 1 + first;
+  const double second = normalForce[1] / rate[1], sum = first + second, difference = first - second;
+  return 0.5 * (1 + sum + std::sqrt(std::max(1 + 2 * sum + difference * difference, 0.0)));
 }
 
 void pushes(std::span<const double> normalForce, std::span<const double> rate, double timeSpeed, std::span<double> push) {

@@ -2,17 +2,17 @@
 #ifndef TF_RUNTIME_CONTACT_TIME_SPEED_H
 #define TF_RUNTIME_CONTACT_TIME_SPEED_H
 
-#include <algorithm>
 #include <span>
 
 namespace tf::runtime {
 
 // β = dt/dτ: the root of β = Π_i (1 − λ_i β / a_i) in (0, min(1, min_i a_i/λ_i)], unique. normalForce λ_i ≥ 0 (negative ones, which
 // occur within rounding, count as 0), rate a_i > 0, of the same length; 1 without contacts. One contact: a/(a + λ).
-double timeSpeedOfSeveral(std::span<const double> normalForce, std::span<const double> rate);
-inline double timeSpeed(std::span<const double> normalForce, std::span<const double> rate) {
-  return normalForce.size() == 1 ? 1 / (1 + std::max(normalForce[0], 0.0) / rate[0]) : timeSpeedOfSeveral(normalForce, rate);
-}
+double timeSpeed(std::span<const double> normalForce, std::span<const double> rate);
+
+// dτ/dt = 1/β. With one or two contacts it is continued smoothly to forces below zero: an integrator's step that reaches beyond the end of
+// a mode, which is where a force vanishes, then sees no kink there.
+double numericalTimeRate(std::span<const double> normalForce, std::span<const double> rate);
 
 // push_i = λ_i β / a_i = (1 − α1_i)(1 − α2_i) on c1 = c2 = 0.
 void pushes(std::span<const double> normalForce, std::span<const double> rate, double timeSpeed, std::span<double> push);

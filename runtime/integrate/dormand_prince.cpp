@@ -59,8 +59,7 @@ bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, c
   for (int i = 0; i < n_; ++i)
     end_[i] = y0[i] + h * (result[0] * f0[i] + result[1] * k[1][i] + result[2] * k[2][i] + result[3] * k[3][i] + result[4] * k[4][i]);
   // The rate at the end serves the next step as well: it is to be that of the projected state.
-  dynamics.projectNear(end_.data(), scale);
-  if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
+  if (!dynamics.evaluateProjected(t0 + h, end_.data(), endRate_.data(), scale))
     return false;
   for (int i = 0; i < n_; ++i)
     error_[i] = h * (difference[0] * f0[i] + difference[1] * k[1][i] + difference[2] * k[2][i] + difference[3] * k[3][i] +

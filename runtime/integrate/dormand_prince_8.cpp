@@ -139,8 +139,7 @@ bool DormandPrince8::solve(ModeDynamics &dynamics, double t0, const double *y0, 
     return false;
   combine<result, 0, stageCount>(end_.data());
   // The rate at the end serves the next step as well: it is to be that of the projected state.
-  dynamics.projectNear(end_.data(), scale);
-  if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
+  if (!dynamics.evaluateProjected(t0 + h, end_.data(), endRate_.data(), scale))
     return false;
   const double *k = stages_.data();
   double *last = stage(stageCount);
@@ -166,6 +165,8 @@ void DormandPrince8::makeDense() const {
   hasDense_ = true;
   constexpr std::size_t count = stageCount + 1 + extraCount;
   const bool good = solveExtraStages(std::make_index_sequence<extraCount>());
+  // The caller's last evaluation is that at the end.
+  dynamics_->evaluate(t0_ + h_, end_.data(), point_.data());
   const double *k = stages_.data();
   for (int i = 0; i < n_; ++i) {
     double *c = dense_.data() + static_cast<std::ptrdiff_t>(i) * coefficientCount;

@@ -16,7 +16,8 @@ public:
   void restart() override {}
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
-  // The first call after an element evaluates the dynamics at three more points; where that fails, the cubic through both ends is taken.
+  // The first call after an element evaluates the dynamics at three more points, and at the end again; where that fails, the cubic through
+  // both ends is taken.
   void interpolate(double theta, double *y) const override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double stabilityRatio() const override;

@@ -23,7 +23,7 @@ public:
   // last evaluation is at the end then. False: it did not converge or the dynamics cannot be evaluated.
   virtual bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                      double accuracy) = 0;
-  // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element.
+  // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element. The dynamics' last evaluation is as before, or at the end of the element.
   virtual void interpolate(double theta, double *y) const = 0;
   // The last element becomes the past that starting values are taken from.
   virtual void accept() {}

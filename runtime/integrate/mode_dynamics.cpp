@@ -10,7 +10,8 @@
 namespace tf::runtime {
 
 ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
-    : at_(evaluation), slips_(evaluation), projection_(evaluation, rows_, problem_), roles_(rolesOfTangents(evaluation.model())),
+    : at_(evaluation), slips_(evaluation), projection_(evaluation, rows_, problem_),
+      projected_(static_cast<std::size_t>(evaluation.model().nq) + evaluation.model().nv), roles_(rolesOfTangents(evaluation.model())),
       isPaired_(evaluation.model().nt), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
       change_(evaluation.model().nv), constraintChange_(evaluation.model().nh), plus_(evaluation.stateSize()),
       minus_(evaluation.stateSize()), shifted_(evaluation.stateSize()) {
@@ -242,6 +243,7 @@ bool ModeDynamics::solveSliding() {
 }
 
 bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
+  isProjected_ = false;
   // What fails there is found and named here.
   if (isSmall_ && evaluateSmall(time, state, rate))
     return true;
@@ -250,6 +252,20 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
   if (!sliding_.empty() && !solveSliding())
     return false;
   return giveRate(rate);
+}
+
+bool ModeDynamics::evaluateProjected(double time, double *state, double *rate, const double *scale) {
+  if (!isSmall_ || rows_.count() == 0)
+    return evaluate(time, state, rate);
+  // Newton's method with rows of nearby: what it leaves of the velocities is the product of the correction and of the change of the rows,
+  // which is small too.
+  constexpr double converged = 1e-9;
+  const bool good = projection_.project(state, scale, nothingStops_.data()) <= converged;
+  if (!evaluate(time, state, rate))
+    return false;
+  isProjected_ = good;
+  std::copy_n(state, projected_.size(), projected_.begin());
+  return true;
 }
 
 bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate) {
@@ -275,17 +291,18 @@ bool ModeDynamics::giveRate(double *rate) {
   if (rows_.count() > 0) {
     const auto forces = rowForces();
     for (int i = 0; i < normals; ++i)
-      at_.normalForce[rows_.contacts()[i]] = closedForce_[i] = std::max(forces[i], 0.0);
+      at_.normalForce[rows_.contacts()[i]] = std::max(closedForce_[i] = forces[i], 0.0);
     rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
   }
-  timeSpeed_ = normals > 0 ? tf::runtime::timeSpeed(closedForce_, closedRate_) : 1;
+  const double tauRate = numericalTimeRate(closedForce_, closedRate_);
+  timeSpeed_ = tauRate > 0 ? 1 / tauRate : 1;
   at_.kinematics(rate);
   double *rest = rate + model.nq;
   for (int i = 0; i < model.nv; ++i)
     *rest++ = at_.acceleration[i];
   for (int i = 0; i < model.nz; ++i)
     *rest++ = at_.stateRate[i];
-  rate[size() - 1] = 1 / timeSpeed_;
+  rate[size() - 1] = tauRate;
   if (!allFinite(rate, size()))
     return fail(EvaluationFailure::NotFinite);
   return true;

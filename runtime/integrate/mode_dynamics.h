@@ -98,17 +98,15 @@ public:
   // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). Returns the size of the
   // correction relative to `scale` [n].
   double project(double *state, const double *scale) {
-    if (!projection_.isNeeded())
+    if (!projection_.isNeeded() || (isProjected_ && std::equal(projected_.begin(), projected_.end(), state)))
       return 0;
     if (!isSmall_)
       completeRows();
     return projection_.project(state, scale, nothingStops_.data());
   }
-  // As well, for a state near the last evaluation's point, at the same time, with the rows of that one; only where that costs little.
-  void projectNear(double *state, const double *scale) {
-    if (isSmall_ && rows_.count() > 0)
-      projection_.project(state, scale, nothingStops_.data());
-  }
+  // As `evaluate`, at the projection of a state near the last evaluation's point at the same time, with the rows of that point; where this
+  // costs more than it saves, at the state itself.
+  bool evaluateProjected(double time, double *state, double *rate, const double *scale);
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
   // `slow`: slips of one body stop together.
   double projectStop(double *state, const double *scale, int stopped, double slow);
@@ -162,13 +160,15 @@ private:
   ContactMode contactMode_;
   ModeForces forces_;
   FoldedForces folded_;
-  bool isFolded_ = false;    // folded_ gives the forces
-  bool isSmall_ = false;     // by evaluateSmall
-  bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M
-  bool hasRows_ = false;     // D is that of the last evaluation too
-  bool isComplete_ = false;  // and forces_
+  bool isFolded_ = false;     // folded_ gives the forces
+  bool isSmall_ = false;      // by evaluateSmall
+  bool isGathered_ = false;   // the last evaluation has gathered rows_ and factorised M
+  bool hasRows_ = false;      // D is that of the last evaluation too
+  bool isComplete_ = false;   // and forces_
+  bool isProjected_ = false;  // projected_ is the point of the last evaluation, and its own projection
   SlipDirections slips_;
   Projection projection_;
+  std::vector<double> projected_;                   // q, v
   std::vector<TangentRole> roles_;                  // nt
   std::vector<std::uint8_t> isPaired_;              // nt
   std::vector<std::uint8_t> nothingStops_, stops_;  // tangential rows

@@ -47,6 +47,7 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
 
 bool ModelEvaluation::setParameters(const double *parameters) {
   in_[TF_IN_P] = parameters;
+  ++parameterRevision_;
   contactParameters();
   if (!model_->mass_is_constant || model_->nv == 0)
     return true;

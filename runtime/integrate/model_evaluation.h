@@ -70,6 +70,8 @@ public:
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
   [[nodiscard]] const double *parameters() const { return in_[TF_IN_P]; }
   [[nodiscard]] double time() const { return time_; }
+  // Counts the calls of setParameters.
+  [[nodiscard]] long long parameterRevision() const { return parameterRevision_; }
 
   Mobility mobility;
   std::vector<double> massMatrix, force, stateRate;                               // dynamics
@@ -96,6 +98,7 @@ private:
   const double *in_[TF_IN_COUNT] = {};
   std::vector<double> coordinateChange_, inputShift_;
   double time_ = 0, segment_ = 0;
+  long long parameterRevision_ = 0;
   bool constantInputs_ = false;
   std::vector<std::uint8_t> switchingMask_;
   int switchingParts_ = 0;  // whole parts that the mask selects, −1: some contacts

@@ -90,7 +90,7 @@ template <int nv> struct SmallSystem::Factor {
   bool good = true;
 
   Factor(const SmallSystem &system, const ModelEvaluation &at) : factor(system.factor_), inverse(system.inverse_) {
-    if (system.hasFactor_)
+    if (system.factorRevision_ == at.parameterRevision())
       return;
     good = factorise<nv>(at.massMatrix.data(), own_, ownInverse_);
     factor = own_;
@@ -194,8 +194,8 @@ bool SmallSystem::start(const ModelEvaluation &at) {
   if (model.nv < 1 || model.nv > mostVelocities || model.nh > 0 || active_.size() > mostUnknowns)
     return false;
   (this->*sizes[model.nv - 1])();
-  hasFactor_ = model.mass_is_constant != 0;
-  return !hasFactor_ || factorisations[model.nv - 1](at.massMatrix.data(), factor_, inverse_);
+  factorRevision_ = model.mass_is_constant != 0 ? at.parameterRevision() : -1;
+  return factorRevision_ < 0 || factorisations[model.nv - 1](at.massMatrix.data(), factor_, inverse_);
 }
 
 }  // namespace tf::runtime

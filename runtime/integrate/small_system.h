@@ -47,7 +47,7 @@ private:
 
   std::vector<ActiveRow> active_;
   std::vector<SlippingRow> slipping_;
-  bool hasFactor_ = false;
+  long long factorRevision_ = -1;                                                       // the parameters of factor_; −1: M is not constant
   double factor_[mostVelocities * mostVelocities] = {}, inverse_[mostVelocities] = {};  // of a constant M: L by rows, 1/Δ
   Solve solve_ = nullptr;
   const Correct *correct_ = nullptr;  // by the number of rows

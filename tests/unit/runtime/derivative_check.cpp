@@ -53,6 +53,7 @@ public:
     kinematicsDerivatives();
     constraints();
     masks();
+    together();
     return std::move(failures_);
   }
 
@@ -260,6 +261,21 @@ private:
   void compareAll(const std::string &name, const Values &found, const Values &expected) {
     for (std::size_t row = 0; row < found.size(); ++row)
       compare(name + "[" + std::to_string(row) + "]", found[row], expected[row]);
+  }
+
+  // Where there is a function for both, it gives what `dynamics` and `contact_terms` give.
+  void together() {
+    if (model_.contact_dynamics == nullptr)
+      return;
+    std::vector<int> sizes = dynamicsSizes();
+    const std::vector<int> terms = termSizes();
+    sizes.insert(sizes.end(), terms.begin(), terms.end());
+    const Blocks found = call(model_.contact_dynamics, point_, sizes);
+    Blocks expected = call(model_.dynamics, point_, dynamicsSizes());
+    const Blocks contacts = call(model_.contact_terms, point_, terms);
+    expected.insert(expected.end(), contacts.begin(), contacts.end());
+    for (std::size_t block = 0; block < expected.size(); ++block)
+      compareAll("contact_dynamics block " + std::to_string(block), found[block], expected[block]);
   }
 
   // With every second contact or friction element selected, the others without force: the others' rows stay, the selected ones' are the

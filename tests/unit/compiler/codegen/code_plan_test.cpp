@@ -56,6 +56,14 @@ TEST_F(CodePlanTest, SineAndCosineOfOneArgumentAreNeighbours) {
   EXPECT_EQ(plan.units.front().steps[1].node, cosine);
 }
 
+TEST_F(CodePlanTest, ACosineFollowsItsSineOutOfAGroup) {
+  const NodeId sine = g.unary(Op::Sin, x), cosine = g.unary(Op::Cos, x), alone = g.unary(Op::Cos, y);
+  const CodePlan plan = planCode(function(3, 1, {{0, 0, sine, -1}, {0, 1, cosine, 0}, {0, 2, alone, 0}}), g, 100);
+  EXPECT_EQ(groupOf(plan, sine), -1);
+  EXPECT_EQ(groupOf(plan, cosine), -1);
+  EXPECT_EQ(groupOf(plan, alone), 0);
+}
+
 TEST_F(CodePlanTest, ZerosAreClearedInRuns) {
   std::vector<ir::Store> stores;
   const NodeId zero = g.constant(0);

@@ -1,5 +1,6 @@
 // One-step methods on smooth modes of compiled models: order, Jacobians, projection.
 #include "runtime/integrate/dormand_prince.h"
+#include "runtime/integrate/dormand_prince_8.h"
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/integrate/radau.h"
 #include "runtime/model/model_instance.h"
@@ -52,6 +53,7 @@ double oscillatorError(std::unique_ptr<ElementMethod> (*make)(int), double step)
 
 template <int stages> std::unique_ptr<ElementMethod> radau(int size) { return std::make_unique<Radau>(size, stages); }
 std::unique_ptr<ElementMethod> dormandPrince(int size) { return std::make_unique<DormandPrince>(size); }
+std::unique_ptr<ElementMethod> dormandPrince8(int size) { return std::make_unique<DormandPrince8>(size); }
 
 double observedOrder(std::unique_ptr<ElementMethod> (*make)(int), double step) {
   return std::log2(oscillatorError(make, step) / oscillatorError(make, step / 2));
@@ -65,6 +67,26 @@ TEST(Radau, HasOrderTwoStagesMinusOne) {
 }
 
 TEST(DormandPrinceTest, HasOrderFive) { EXPECT_NEAR(observedOrder(dormandPrince, 0.1), 5, 0.3); }
+
+TEST(DormandPrince8Test, HasOrderEight) { EXPECT_NEAR(observedOrder(dormandPrince8, 0.5), 8, 0.7); }
+
+// One step over [0, h]: the error of the continuous extension falls with h⁸.
+double extensionError(double step) {
+  InMode belt(test::beltModel(), {{}, {Tangent::SlipNegative}, {}}, {0, -0.1, 0});
+  DormandPrince8 method(3);
+  const double state[] = {0, -0.1, 0}, scale[] = {1, 1, 1};
+  double rate[3], inside[3], worst = 0;
+  EXPECT_TRUE(belt.dynamics.evaluate(0, state, rate));
+  EXPECT_TRUE(method.solve(belt.dynamics, 0, state, rate, step, scale, 0));
+  for (const double theta : {0.15, 0.4, 0.65, 0.9}) {
+    method.interpolate(theta, inside);
+    const double t = theta * step;
+    worst = std::max(worst, std::abs(inside[0] - (0.25 - 0.25 * std::cos(2 * t) - 0.05 * std::sin(2 * t))));
+  }
+  return worst;
+}
+
+TEST(DormandPrince8Test, HasAContinuousExtensionOfOrderSeven) { EXPECT_NEAR(std::log2(extensionError(0.8) / extensionError(0.4)), 8, 0.7); }
 
 // The box slides on its lower left corner: q = (x, y, th), v, tau.
 InMode slidingBox(std::vector<double> &state) {

@@ -70,6 +70,66 @@ TEST(FoldedForces, OfTwoSlidingCornersAreThoseOfAllRows) {
   expectSameForces(box);
 }
 
+// The state off the floor: onto it by the same least change in the metric of the mass matrix with the rows' own code and without.
+TEST(FoldedForces, ProjectionsAreThoseOfAllRows) {
+  for (const Tangent tangent : {Tangent::SlipPositive, Tangent::Stick}) {
+    Box box(0.3, tangent == Tangent::Stick ? 0 : 0.7, tangent);
+    const std::vector<double> scale(box.state.size(), 1.0);
+    std::vector<double> rate(box.state.size()), moved = box.state;
+    ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), rate.data()));
+    moved[1] += 1e-7;
+    moved[3] += 2e-7;
+    moved[4] -= 1e-7;
+    ASSERT_TRUE(box.dynamics.evaluate(0, moved.data(), rate.data()));
+    std::vector<double> projected = moved;
+    const double size = box.dynamics.project(projected.data(), scale.data());
+    EXPECT_GT(size, 5e-8);
+    box.at.setPoint(0, projected.data());
+    box.at.switching();
+    EXPECT_NEAR(box.at.gap[0], 0, 1e-14);
+    EXPECT_NEAR(box.at.gapRate[0], 0, 1e-13);  // the rows are those before the coordinates have been moved
+    if (tangent == Tangent::Stick) {
+      EXPECT_NEAR(box.at.slip[0], 0, 1e-13);
+    }
+    // M Δv is a combination of the rows: nothing else has been moved.
+    const double mass = box.at.massMatrix[0], inertia = box.at.massMatrix[8];
+    const double change[] = {projected[3] - moved[3], projected[4] - moved[4], projected[5] - moved[5]};
+    const double *normal = box.at.normal.data(), *slip = box.at.tangent.data();
+    const double along = mass * change[1] / normal[1], across = mass * change[0] / slip[0];
+    if (tangent != Tangent::Stick) {
+      EXPECT_NEAR(change[0], 0, 1e-16);
+    }
+    EXPECT_NEAR(inertia * change[2], along * normal[2] + across * slip[2], 1e-12);
+  }
+}
+
+// As derivatives by parameters do: a constant mass matrix that changes within the mode.
+TEST(FoldedForces, FollowTheParameters) {
+  Box box(0.3, 0.7, Tangent::SlipPositive);
+  std::vector<double> rate(box.state.size()), again(box.state.size());
+  ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), rate.data()));
+  std::vector<double> parameters(box.instance.parameters().begin(), box.instance.parameters().end());
+  for (double &value : parameters)
+    value *= 1.1;
+  ASSERT_TRUE(box.at.setParameters(parameters.data()));
+  ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), rate.data()));
+  ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), again.data()));
+  for (std::size_t i = 0; i < rate.size(); ++i)
+    EXPECT_NEAR(rate[i], again[i], 1e-12 * (1 + std::abs(again[i]))) << i;
+}
+
+TEST(FoldedForces, OfFlightAreNone) {
+  Box box(0.3, 0.7, Tangent::SlipPositive);
+  box.mode = {{0, 0, 0, 0}, {Tangent::None, Tangent::None, Tangent::None, Tangent::None}, {}};
+  std::vector<double> first(box.state.size()), again(box.state.size());
+  ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), first.data()));
+  ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), again.data()));
+  for (std::size_t i = 0; i < first.size(); ++i)
+    EXPECT_NEAR(again[i], first[i], 1e-14) << i;
+  EXPECT_NEAR(again[4], -9.81, 1e-13);
+  EXPECT_EQ(again.back(), 1);
+}
+
 TEST(FoldedForces, StepsAllocateNothing) {
   Box box(0.3, 0.7, Tangent::SlipPositive);
   std::vector<double> rate(box.state.size());
