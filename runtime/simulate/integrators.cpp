@@ -17,10 +17,11 @@ namespace tf::runtime {
 
 namespace {
 
-// Order 8 pays where the tolerance is tight; elsewhere its steps, of twelve evaluations, are too long for the pieces between events.
-std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings) {
+// Order 8 pays where the tolerance is tight; elsewhere its steps, of twelve evaluations, are too long for the pieces between events. Where
+// slips of two components stop, their direction turns ever faster: no order is high there.
+std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
   constexpr double tight = 2e-9;
-  if (settings.fixedStep > 0 || settings.tolerance > tight)
+  if (settings.fixedStep > 0 || settings.tolerance > tight || slipsTurn)
     return std::make_unique<DormandPrince>(size);
   return std::make_unique<DormandPrince8>(size);
 }
@@ -49,6 +50,9 @@ IntegratorSettings Integrators::settings(const SimulationOptions &options) const
 void Integrators::make(const SimulationOptions &options) {
   const IntegratorSettings settings = this->settings(options);
   const int n = dynamics_.size();
+  const tf_model &model = dynamics_.model().model();
+  const bool slipsTurn = std::any_of(model.contacts, model.contacts + model.nc, sharesDisk<tf_contact>) ||
+                         std::any_of(model.frictions, model.frictions + model.nf, sharesDisk<tf_friction>);
   const auto element = [&](std::unique_ptr<ElementMethod> method) {
     return std::make_unique<ElementIntegrator>(dynamics_, settings, std::move(method));
   };
@@ -63,10 +67,8 @@ void Integrators::make(const SimulationOptions &options) {
   else if (primaryIsStep_)
     primary_ = element(std::make_unique<Radau>(n, options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3));
   else
-    primary_ = element(explicitMethod(n, settings));
-  const tf_model &model = dynamics_.model().model();
-  if (wanted_ != TF_STEP && (std::any_of(model.contacts, model.contacts + model.nc, sharesDisk<tf_contact>) ||
-                             std::any_of(model.frictions, model.frictions + model.nf, sharesDisk<tf_friction>)))
+    primary_ = element(explicitMethod(n, settings, slipsTurn));
+  if (wanted_ != TF_STEP && slipsTurn)
     launch_ = element(std::make_unique<Radau>(n, 4));
   if (wanted_ == TF_CVODE)
     bounces_ = element(std::make_unique<DormandPrince>(n));

@@ -114,7 +114,8 @@ TEST(FoldedForces, FollowTheParameters) {
   ASSERT_TRUE(box.at.setParameters(parameters.data()));
   ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), rate.data()));
   ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), again.data()));
-  for (std::size_t i = 0; i < rate.size(); ++i)
+  // All but tau, whose contact rates are those of the mode's start.
+  for (std::size_t i = 0; i + 1 < rate.size(); ++i)
     EXPECT_NEAR(rate[i], again[i], 1e-12 * (1 + std::abs(again[i]))) << i;
 }
 
