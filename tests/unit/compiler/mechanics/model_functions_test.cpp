@@ -22,7 +22,8 @@ enum FunctionIndex {
   StepDerivatives,
   DynamicsDerivatives,
   Outputs,
-  Energies
+  Energies,
+  ContactDynamics
 };
 
 // One model with everything: a rod with moving contact, a friction element, states, switches of all kinds, an input.
@@ -51,7 +52,7 @@ protected:
   void SetUp() override {
     TF_ASSERT_DERIVED(model_);
     functions_ = modelFunctions(*model_);
-    ASSERT_EQ(functions_.size(), 14U);
+    ASSERT_EQ(functions_.size(), 15U);
     for (const auto &[kind, count] :
          {std::pair{Coordinate, model_->nq}, std::pair{Velocity, model_->nv}, std::pair{State, model_->nz}, std::pair{Input, model_->nu}})
       for (int k = 0; k < count; ++k)
@@ -109,6 +110,8 @@ TEST_F(FunctionsTest, AreCompleteAndWellFormed) {
   EXPECT_EQ(functions_[ContactTerms].groups, 4);
   EXPECT_EQ(functions_[DynamicsDerivatives].bufferSizes, (std::vector<int>{3 * nx, 2 * nx, 3 * nx, 2 * nx, 3 * nx, 2 * nx, 0}));
   EXPECT_EQ(functions_[Energies].bufferSizes, (std::vector<int>{1, 1, 1}));
+  EXPECT_EQ(functions_[ContactDynamics].bufferSizes, (std::vector<int>{9, 3, 2, 9, 3, 6, 2, 3, 2}));
+  EXPECT_EQ(functions_[ContactDynamics].groups, 4);
 }
 
 TEST_F(FunctionsTest, RowsBelongToTheGroupOfTheirContact) {
