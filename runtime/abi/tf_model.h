@@ -237,9 +237,9 @@ typedef struct tf_model {
      everything else that is applied: force elements and what drives positions and energies by their explicit dependence on time and states.
      d(kinetic + potential)/dt = power + (Jn v).ln + (Jt v).lt + (H v).nu at constant inputs. */
   tf_function energies;
-  /* `dynamics` and `contact_terms` at one point, with what they have in common evaluated once. in: TIME, Q, V, Z, U, P, ALPHA. out: 0..2 those
-     of `dynamics`, 3..8 those of `contact_terms`. mask: that of `contact_terms`. Null: both are to be called (no contacts and friction
-     elements, or so many that the code would be there twice without need). */
+  /* `dynamics` and `contact_terms` at one point, with what they have in common evaluated once. in: TIME, Q, V, Z, U, P, ALPHA. out: 0..2
+     those of `dynamics`, 3..8 those of `contact_terms`. mask: that of `contact_terms`. Null: both are to be called (no contacts and
+     friction elements, or so many that the code would be there twice without need). */
   tf_function contact_dynamics;
 } tf_model;
 
