@@ -92,11 +92,13 @@ bool Projection::projectCoordinates(double *state) {
   double previous = std::numeric_limits<double>::infinity();
   for (int correction = 0; correction < mostCorrections; ++correction) {
     const double worst = coordinateResiduals();
-    if (worst <= rounding || worst > 0.5 * previous)
+    if (worst == 0 || worst > 0.5 * previous)
       return true;
     previous = worst;
     correct(change_.data());
     at_.moveCoordinates(state, change_.data());
+    if (worst <= rounding)
+      return true;
   }
   return false;
 }
