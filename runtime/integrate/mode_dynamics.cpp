@@ -1,5 +1,6 @@
 #include "runtime/integrate/mode_dynamics.h"
 
+#include "runtime/contact/jam.h"
 #include "runtime/contact/time_speed.h"
 #include "runtime/integrate/all_finite.h"
 
@@ -327,19 +328,8 @@ double ModeDynamics::normalForce(int contact) const {
 
 int ModeDynamics::jammedContact() {
   complete();
-  // Where a slow slip turns, D_s falls to zero as the square root of the time that is left: this far within the rounding of time.
-  constexpr double jammed = 1e-3;
-  const int normals = rows_.normalCount();
-  for (int i = 0; i < normals; ++i) {
-    const double own = problem_.delassus(i, i);
-    double slipping = own;
-    for (int j = 0; j < problem_.tangentCount; ++j)
-      if (problem_.owner[j] == i)
-        slipping -= contactMode_.slip[j] * problem_.friction[j] * problem_.delassus(i, normals + j);
-    if (slipping <= jammed * own)
-      return rows_.contacts()[i];
-  }
-  return -1;
+  const int row = jammedNormal(problem_, contactMode_);
+  return row >= 0 ? rows_.contacts()[row] : -1;
 }
 
 bool ModeDynamics::stop(double time, double *state) {

@@ -72,8 +72,8 @@ public:
   // Of a contact at the last evaluation's point, before rounding errors below zero are cut off; 0 where it is open.
   [[nodiscard]] double normalForce(int contact) const;
 
-  // The closed contact whose slip has taken D_s = D_nn − μ s D_nt to zero (relative to D_nn) at the last evaluation's point, so that its
-  // force grows beyond all bounds; −1: none.
+  // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormal); −1:
+  // none.
   [[nodiscard]] int jammedContact();
 
   // At the last evaluation's point: power of friction forces on the slips (≤ 0), and of all contact, friction and constraint forces on the

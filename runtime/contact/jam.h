@@ -1,0 +1,14 @@
+// Jams: a contact force grows beyond all bounds where slipping contacts press themselves in (Génot and Brogliato, Eur. J. Mech. A/Solids
+// 18, 1999; Painlevé's paradox).
+#pragma once
+
+#include "runtime/contact/contact_problem.h"
+
+namespace tf::runtime {
+
+// The normal row whose force grows beyond all bounds in a mode whose normal rows are all closed: what its force, with the friction of slips
+// taken along, does to its own acceleration, the other active rows at rest, has lost all but a thousandth of what it does without friction,
+// or its sign. −1: none does.
+int jammedNormal(const ContactProblem &problem, const ContactMode &mode);
+
+}  // namespace tf::runtime

@@ -1,0 +1,71 @@
+#include "runtime/contact/jam.h"
+
+#include <gtest/gtest.h>
+
+namespace {
+
+using namespace tf::runtime;
+
+// Contacts, each with one slip of direction 1, whose forces act on each other's normal accelerations by `coupling`, and by friction
+// through D_nt = `tilt` of their own slip and `crossTilt` of the other's.
+struct Pair {
+  ContactProblem problem;
+  ContactMode mode;
+
+  Pair(double coupling, double tilt, double crossTilt, double friction) {
+    problem.resize(2, 2);
+    mode.resize(2, 2);
+    for (int i = 0; i < 2; ++i) {
+      const int other = 1 - i;
+      problem.owner[i] = i;
+      problem.friction[i] = friction;
+      problem.slipSign[i] = 1;
+      mode.closed[i] = 1;
+      mode.slip[i] = 1;
+      problem.delassus(i, i) = 2;
+      problem.delassus(i, other) = coupling;
+      problem.delassus(2 + i, 2 + i) = 3;
+      problem.delassus(i, 2 + i) = problem.delassus(2 + i, i) = tilt;
+      problem.delassus(i, 2 + other) = problem.delassus(2 + other, i) = crossTilt;
+    }
+  }
+};
+
+TEST(Jam, TheSlipOfOneContactPressesItIn) {
+  // D_s = 2 − μ: zero at μ = 2.
+  EXPECT_EQ(jammedNormal(Pair(0, 1, 0, 1.9).problem, Pair(0, 1, 0, 1.9).mode), -1);
+  EXPECT_GE(jammedNormal(Pair(0, 1, 0, 1.9999).problem, Pair(0, 1, 0, 1.9999).mode), 0);
+}
+
+TEST(Jam, SlipsOfTwoContactsPressEachOtherIn) {
+  // D_s = [2, −μ; −μ, 2]: no contact alone loses anything, both together everything at μ = 2.
+  const Pair before(0, 0, 1, 1.9), at(0, 0, 1, 1.9999);
+  EXPECT_EQ(jammedNormal(before.problem, before.mode), -1);
+  EXPECT_GE(jammedNormal(at.problem, at.mode), 0);
+}
+
+TEST(Jam, SticksTakePart) {
+  // The stick of the second contact takes the slip's effect of the first on it away: the rows left are those of the first alone.
+  Pair pair(0, 0, 1, 1.9999);
+  pair.problem.slipSign[1] = 0;
+  pair.mode.slip[1] = 0;
+  EXPECT_EQ(jammedNormal(pair.problem, pair.mode), -1);
+}
+
+TEST(Jam, RedundantContactsAreLookedAtAlone) {
+  // D = [2, 2; 2, 2] is singular without any friction.
+  const Pair pair(2, 0.5, 0.5, 1);
+  EXPECT_EQ(jammedNormal(pair.problem, pair.mode), -1);
+  const Pair jam(2, 1, 1, 2);
+  EXPECT_GE(jammedNormal(jam.problem, jam.mode), 0);
+}
+
+TEST(Jam, WithoutContactsThereIsNone) {
+  ContactProblem problem;
+  ContactMode mode;
+  problem.resize(0, 0);
+  mode.resize(0, 0);
+  EXPECT_EQ(jammedNormal(problem, mode), -1);
+}
+
+}  // namespace
