@@ -9,6 +9,8 @@ namespace {
 
 // Pivots below, relative to the largest entry of D, are those of redundant rows.
 constexpr double singular = 1e-11;
+// Margins to limits below, relative to the rates, are none.
+constexpr double leastMargin = 1e-9;
 
 void turnRows(DenseMatrix &matrix, int a, double c, double s) {
   const int count = matrix.rows();
@@ -39,6 +41,8 @@ void FrozenMode::resize(const FrozenProblem &problem) {
   bias_.assign(n + m, 0.0);
   acceleration_.assign(n + m, 0.0);
   fixed_.assign(n, 0.0);
+  reference_.assign(n + m, 0.0);
+  redundant_ = false;
   active_.assign(n + m, 0);
   slip_.assign(m, 0);
 }
@@ -116,14 +120,18 @@ bool FrozenMode::forces(const FrozenProblem &problem, const std::vector<double> 
   for (int k = 0; k < active; ++k)
     largest = std::max(largest, factor_.matrix()(k, k));
   const Eigen::MatrixXd matrix = factor_.matrix().map();
-  if (active > 0 && factor_.factor(singular * largest)) {
-    factor_.solve(unknown_.data());
-  } else if (active > 0) {
+  redundant_ = active > 0 && !factor_.factor(singular * largest);
+  if (redundant_) {
+    Eigen::VectorXd reference(active);
+    for (int k = 0; k < active; ++k)
+      reference[k] = reference_[equations_.active()[k]];
     Eigen::Map<Eigen::VectorXd> unknown(unknown_.data(), active);
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
     decomposition.setThreshold(singular);
     decomposition.compute(matrix);
-    unknown = decomposition.solve(unknown).eval();
+    unknown = reference + decomposition.solve(unknown - matrix * reference).eval();
+  } else if (active > 0) {
+    factor_.solve(unknown_.data());
   }
   force.resize(n + m);
   equations_.expand(rows, unknown_.data(), force.data(), acceleration_.data());
@@ -135,6 +143,54 @@ bool FrozenMode::forces(const FrozenProblem &problem, const std::vector<double> 
     force[n + j + 1] = current_[j + 1] * along;
   }
   return std::all_of(force.begin(), force.end(), [](double f) { return std::isfinite(f); });
+}
+
+// Of the forces that are unknowns of the equations; their number.
+int FrozenMode::poseLimits(const FrozenProblem &problem) {
+  const int n = problem.normalCount;
+  std::vector<ConicForces::Limit> limits;
+  limits.reserve(equations_.active().size() * 2);
+  for (const int row : equations_.active()) {
+    const int own = equations_.position(row);
+    if (row < n) {
+      limits.push_back({own, 1, 0, -1, -1});
+      limits.push_back({own, -1, problem.rate[row], -1, -1});
+      continue;
+    }
+    const int j = row - n, partner = problem.partner[j], owner = problem.owner[j], apex = equations_.position(owner);
+    if (partner >= 0 && partner < j)
+      continue;
+    const double offset = apex < 0 ? problem.friction[j] * fixed_[owner] : 0.0;
+    limits.push_back({apex, apex < 0 ? 0.0 : problem.friction[j], offset, own, partner < 0 ? -1 : own + 1});
+  }
+  admissible_.resize(equations_.activeCount(), static_cast<int>(limits.size()));
+  for (std::size_t k = 0; k < limits.size(); ++k)
+    admissible_.limit(static_cast<int>(k)) = limits[k];
+  return static_cast<int>(limits.size());
+}
+
+bool FrozenMode::center(const FrozenProblem &problem, std::vector<int> &leaving) {
+  constexpr double consistent = 1e-6;
+  const ContactRowData rows = {problem.normalCount,  problem.tangentCount, &turned_,      bias_.data(),
+                               problem.owner.data(), friction_.data(),     offset_.data()};
+  const int limitCount = poseLimits(problem);
+  DenseMatrix matrix;
+  equations_.assemble(rows, matrix);
+  admissible_.matrix() = matrix.map();
+  equations_.rightHandSide(rows, fixed_.data(), admissible_.rhs().data());
+  leaving.assign(problem.count(), 0);
+  if (!admissible_.prepare(consistent))
+    return false;
+  const double none = leastMargin * admissible_.scale();
+  if (!(admissible_.largestSlack() > none)) {
+    for (int k = 0; k < limitCount; ++k)
+      if (const ConicForces::Limit &limit = admissible_.limit(k); admissible_.slack(k, admissible_.innermost()) <= none)
+        leaving[equations_.active()[limit.first < 0 ? limit.apex : limit.first]] = limit.first < 0 && limit.factor > 0 ? -1 : 1;
+    return false;
+  }
+  for (int k = 0; k < equations_.activeCount(); ++k)
+    reference_[equations_.active()[k]] = admissible_.innermost()[k];
+  return true;
 }
 
 }  // namespace tf::runtime

@@ -119,6 +119,7 @@ bool SpatialFrozenPhase::Workspace::choose(int forced) {
       chooseTangent(j);
   std::fill(leaving.begin(), leaving.end(), 0);
   point = velocity;
+  mode.refer(force);
   return evaluate();
 }
 
@@ -311,6 +312,14 @@ void SpatialFrozenPhase::Workspace::reconcile() {
       impulse[rows[a]] += correction[a];
 }
 
+// Redundant forces that reach a limit are exchanged for others of the same motion, which is no breakpoint; if there are none, all that
+// have no room leave their limits together.
+void SpatialFrozenPhase::Workspace::exchange(const Watch &event, bool &found) {
+  const bool limit = event.kind == Watch::Kind::HeldLow || event.kind == Watch::Kind::HeldHigh || event.kind == Watch::Kind::Stick;
+  if (found && limit && mode.isRedundant())
+    found = !mode.center(*problem, leaving);
+}
+
 // Whether the contact that starts a frictional impulse is pressed in by it. Where D_s is about to reach zero the turn of the slip soon
 // makes it negative: until then an approach of the size of rounding keeps the contact pushing.
 bool SpatialFrozenPhase::Workspace::jams(int forced) {
@@ -368,6 +377,7 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
       return fail(FrozenStatus::Cycle);
     if (turns) {
       if (curve(duration, next.kind == Watch::Kind::PairSlip, event, found)) {
+        exchange(event, found);
         escapes = 0;
         continue;
       }

@@ -83,11 +83,26 @@ bool SpatialFrozenPhase::Workspace::anyNearZero() const {
   return false;
 }
 
+// Forces and accelerations of a step of the implicit Euler method, which becomes shorter where a contact uses up what it has stored.
+bool SpatialFrozenPhase::Workspace::poseStep(int forced, double &step, double band) {
+  for (int pass = 0; pass <= n; ++pass) {
+    if (!findForces(forced, step, band))
+      return false;
+    updateAcceleration();
+    double last = step;
+    for (int i = 0; i < n; ++i)
+      last = std::min(last, restitution.exhaustion(i, velocity[i], acceleration[i]));
+    if (!(last < step))
+      break;
+    step = last;
+  }
+  return true;
+}
+
 // A step of the implicit Euler method: contacts that reach zero within it stay there if forces hold them.
 bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double band) {
-  if (!findForces(forced, step, band))
+  if (!poseStep(forced, step, band))
     return false;
-  updateAcceleration();
   const std::vector<double> from = velocity;
   for (int r = 0; r < n + m; ++r) {
     velocity[r] += acceleration[r] * step;
@@ -96,8 +111,10 @@ bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double ban
   std::vector<std::uint8_t> rests;
   markRests(from, step, band, rests);
   bringToRest(rests);
-  for (int i = 0; i < n; ++i)
-    restitution.advance(i, from[i], (velocity[i] - from[i]) / step, step, false);
+  for (int i = 0; i < n; ++i) {
+    const double change = (velocity[i] - from[i]) / step;
+    restitution.advance(i, from[i], change, step, restitution.exhaustion(i, from[i], change) <= step);
+  }
   tau += step;
   return true;
 }

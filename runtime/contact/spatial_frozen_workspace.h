@@ -81,6 +81,7 @@ struct SpatialFrozenPhase::Workspace {
   bool pose(int forced, double step, double band, ConeFrictionProblem &p);
   bool findForces(int forced, double step, double band);
   [[nodiscard]] bool anyNearZero() const;
+  bool poseStep(int forced, double &step, double band);
   bool stepOver(int forced, double step, double band);
   bool settleNearZero(int forced);
   void bringToRest(const std::vector<std::uint8_t> &rests);
@@ -116,6 +117,7 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] FrozenEvent classify(const Watch &event) const;
   void fail(FrozenStatus status);
   void reconcile();
+  void exchange(const Watch &event, bool &found);
   bool jams(int forced);
   void follow(int forced);
 };

@@ -53,6 +53,12 @@ TEST(RandomScenes, WhereTurningSlipsJam) { expectGood({7420, 16376, 45844}); }
 // A corner slides on as slowly as the tolerance allows, about a rest that explicit steps do not see.
 TEST(RandomScenes, WhereASlowSlipComesToRest) { expectGood({14268}); }
 
+// The least forces of redundant corners that stick are outside their cones, others of the same motion are not.
+TEST(RandomScenes, WhereRedundantCornersStickWhileAnotherSlipTurns) { expectGood({46844}); }
+
+// A step over what is nearly zero is as long as the whole impact of a corner beside it.
+TEST(RandomScenes, WhereACornerBouncesBesideOneThatHardlyMoves) { expectGood({11576}); }
+
 TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 8068, 9720, 16072}); }
 
 }  // namespace
