@@ -321,6 +321,42 @@ bool ConeFrictionSolver::attempt(Eigen::VectorXd force) {
   return bestViolation_ <= tolerance_;
 }
 
+// From forces with which some of the contacts stay at rest and the others are open: where friction holds what would slide without it, other
+// methods go past a solution in which nothing moves.
+bool ConeFrictionSolver::attemptRest() {
+  constexpr int mostContacts = 6;
+  const int n = problem_.normalCount, count = n + problem_.tangentCount;
+  std::vector<int> contacts;
+  for (int i = 0; i < n; ++i)
+    if (problem_.normalKind[i] == NormalKind::Unilateral)
+      contacts.push_back(i);
+  const int bits = std::min(static_cast<int>(contacts.size()), mostContacts);
+  std::vector<std::uint8_t> rests(static_cast<std::size_t>(n), 0);
+  std::vector<int> rows;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
+  factor.setThreshold(singularStep);
+  for (int open = 0; open < (1 << bits); ++open) {
+    for (std::size_t k = 0; k < contacts.size(); ++k)
+      rests[contacts[k]] = static_cast<int>(k) >= bits || ((open >> k) & 1) == 0;
+    rows.clear();
+    for (int r = 0; r < count; ++r) {
+      const int contact = r < n ? r : problem_.owner[r - n];
+      const bool free = r < n || problem_.tangentKind[r - n] == TangentKind::TwoSided;
+      if (free && contact >= 0 && rests[contact])
+        rows.push_back(r);
+    }
+    if (rows.empty())
+      continue;
+    const Eigen::MatrixXd D = delassus_(rows, rows);
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(count);
+    const Eigen::VectorXd rest = factor.compute(D).solve(-bias_(rows).eval());
+    start(rows) = rest;
+    if (attempt(std::move(start)))
+      return true;
+  }
+  return false;
+}
+
 const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, double tolerance) {
   const int count = problem_.normalCount + problem_.tangentCount;
   scale();
@@ -356,7 +392,7 @@ const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, doubl
       if (k < homotopySteps)
         improve(start);
     }
-    solved = attempt(start);
+    solved = attempt(start) || attemptRest();
   }
   const Eigen::VectorXd acceleration = delassus_ * best_ + bias_;
   solution_.solved = solved;

@@ -60,6 +60,7 @@ private:
   void setSmoothing(double smoothing);
   bool followSmoothing();
   bool attempt(Eigen::VectorXd force);
+  bool attemptRest();
 
   ConeFrictionProblem problem_;
   ConeFrictionSolution solution_;

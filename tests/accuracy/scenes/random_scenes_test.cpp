@@ -59,6 +59,8 @@ TEST(RandomScenes, WhereRedundantCornersStickWhileAnotherSlipTurns) { expectGood
 // A step over what is nearly zero is as long as the whole impact of a corner beside it.
 TEST(RandomScenes, WhereACornerBouncesBesideOneThatHardlyMoves) { expectGood({11576}); }
 
+TEST(RandomScenes, WhereOnlyFrictionHoldsTwoSpheres) { expectGood({45984}); }
+
 TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 8068, 9720, 16072}); }
 
 }  // namespace

@@ -75,6 +75,33 @@ TEST(ConeFriction, RandomBodiesAtRest) {
   EXPECT_GT(open, 200);
 }
 
+// A ball on the floor leans against another one: without friction at rest the contact between them has a solution only while it slips, and
+// none there, but friction of both can hold them.
+TEST(ConeFriction, BallsThatOnlyTheirFrictionHolds) {
+  Eigen::MatrixXd D(6, 6);
+  D << 3.6253, -0.9047, 0, 0, 3.5016, -0.2525,  //
+      -0.9047, 4.1024, 3.5016, -0.2525, 0, 0,   //
+      0, 3.5016, 12.6887, 0, -8.1235, 0.4874,   //
+      0, -0.2525, 0, 12.6887, 0.4874, -1.3987,  //
+      3.5016, 0, -8.1235, 0.4874, 14.3585, 0,   //
+      -0.2525, 0, 0.4874, -1.3987, 0, 14.3585;
+  ContactProblem problem;
+  problem.resize(2, 4);
+  problem.delassus.map() = D;
+  problem.bias = {-9.81, 2.3391, 0, 0, -1.0834, 7.0704};
+  for (int j = 0; j < 4; ++j) {
+    problem.owner[j] = j / 2;
+    problem.partner[j] = j ^ 1;
+    problem.friction[j] = j < 2 ? 1.3248 : 0.9825;
+  }
+  ContactSolver solver;
+  const ContactSolution &solution = solver.solve(problem);
+  ASSERT_EQ(solution.status, ContactStatus::Solved);
+  EXPECT_LT(violationOf(problem, solution), 1e-9);
+  EXPECT_EQ(solution.mode.closed, (std::vector<std::uint8_t>{1, 1}));
+  EXPECT_EQ(solution.mode.slip, (std::vector<std::int8_t>{0, 0, 0, 0}));
+}
+
 test::SpatialBody fourFeet() {
   return test::spatialBody(2, 0.4 * Eigen::Matrix3d::Identity(), {{0.5, 0.4, 0}, {-0.5, 0.4, 0}, {-0.5, -0.4, 0}, {0.5, -0.4, 0}});
 }
