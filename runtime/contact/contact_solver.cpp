@@ -45,7 +45,7 @@ struct ContactSolver::Workspace {
   PlanarFrictionMode previous;
   ContactProblem aligned;  // in which pairs of rows that begin to slip lie along their slip
   ContactRates alignedRates;
-  std::vector<double> metric;
+  std::vector<double> metric, forcesFound, accelerationsFound;
   ForceSet set;
   NextDerivative next;
   ContactSolution solution, resolved;
@@ -188,7 +188,8 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
     return false;
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
-  const std::vector<double> forces = solution.forces, accelerations = solution.accelerations;
+  forcesFound = solution.forces;
+  accelerationsFound = solution.accelerations;
   solution.forces = set.forces();
   solution.accelerations = set.accelerations();
   double violation = 0;
@@ -200,8 +201,8 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
     violation = solver.certificate(solution.forces, solution.accelerations);
   }
   if (violation > std::max(10 * settings.degeneracy, solution.violation)) {
-    solution.forces = forces;
-    solution.accelerations = accelerations;
+    solution.forces = forcesFound;
+    solution.accelerations = accelerationsFound;
     return true;
   }
   solution.violation = violation;

@@ -18,6 +18,7 @@ public:
   // Hairer, Wanner II, IV.2: two evaluations at the end of the step, whose states differ by the local error.
   [[nodiscard]] double stabilityRatio() const override;
   [[nodiscard]] double errorOrder() const override { return 5; }
+  [[nodiscard]] int interiorStages() const override { return 4; }
 
 private:
   std::vector<double> stages_;         // k2 … k6, n each

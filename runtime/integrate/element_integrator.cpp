@@ -21,11 +21,17 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
   beginTime_ = endTime_ = time;
   std::copy_n(state, n_, end_.begin());
   std::copy_n(rate, n_, endRate_.begin());
-  next_ = firstStep;
+  next_ = firstStep > 0 ? firstStep : 0;
+  error_ = 1;
   first_ = true;
   moved_ = false;
   method_->restart();
   unstableSteps_ = stableSteps_ = 0;
+}
+
+void ElementIntegrator::resetStatistics() {
+  statistics_ = {};
+  method_->jacobians = method_->iterations = 0;
 }
 
 // Hairer, Wanner II, IV.2: fifteen steps at the border of stability, fewer than six in a row inside it.
@@ -43,8 +49,11 @@ void ElementIntegrator::updateScale() {
     scale_[i] = std::max(settings_.scale[i], std::abs(begin_[i]));
 }
 
-// Hairer, Nørsett, Wanner I, II.4: a step whose explicit Euler predictor has an error of about a hundredth of the tolerance.
+// Along an explicit Euler step: to the limit where the accelerations stay the same, as far as one is suggested where they do not, else as
+// Hairer, Nørsett, Wanner I, II.4: the step of which the method's error is about the tolerance, if higher derivatives are like the first.
 double ElementIntegrator::initialStep(double limit) {
+  if (std::isinf(next_))
+    return limit - beginTime_;
   double d0 = 0, d1 = 0, d2 = 0;
   for (int i = 0; i < n_; ++i) {
     d0 = std::max(d0, std::abs(begin_[i]) / scale_[i]);
@@ -57,10 +66,18 @@ double ElementIntegrator::initialStep(double limit) {
     trial_[i] = begin_[i] + h * beginRate_[i];
   if (!dynamics_.evaluate(beginTime_ + h, trial_.data(), trialRate_.data()))
     return std::min(h, 1e-6 * span);
-  for (int i = 0; i < n_; ++i)
-    d2 = std::max(d2, std::abs(trialRate_[i] - beginRate_[i]) / scale_[i] / h);
-  const double largest = std::max(d1, d2);
-  const double h1 = largest <= 1e-15 ? 100 * h : std::pow(0.01 * settings_.tolerance / largest, 1 / method_->errorOrder());
+  bool same = true;
+  for (int i = 0; i < n_; ++i) {
+    const double change = std::abs(trialRate_[i] - beginRate_[i]);
+    d2 = std::max(d2, change / scale_[i] / h);
+    same = same && (i < dynamics_.model().model().nq ||
+                    change <= std::max(1e-12 * std::abs(beginRate_[i]), 1e-3 * settings_.tolerance * scale_[i] * h / (span * span)));
+  }
+  if (same)
+    return span;
+  if (next_ > 0)
+    return next_;
+  const double h1 = std::pow(0.5 * settings_.tolerance / std::max(d1, d2), 1 / method_->errorOrder());
   return std::clamp(std::min(100 * h, h1), smallestStep(beginTime_), span);
 }
 
@@ -68,6 +85,7 @@ double ElementIntegrator::initialStep(double limit) {
 double ElementIntegrator::stepAccuracy() const { return settings_.fixedStep > 0 ? 1e-15 : std::max(1e-15, 1e-3 * settings_.tolerance); }
 
 bool ElementIntegrator::solve(double h, double accuracy) {
+  dynamics_.restartMargins();
   return method_->solve(dynamics_, beginTime_, begin_.data(), beginRate_.data(), h, scale_.data(), accuracy);
 }
 
@@ -90,7 +108,7 @@ StepStatus ElementIntegrator::step(double limit) {
   const bool fixed = settings_.fixedStep > 0;
   if (fixed)
     next_ = settings_.fixedStep;
-  else if (!(next_ > 0))
+  else if (first_)
     next_ = initialStep(limit);
   const double accuracy = stepAccuracy();
   for (bool rejected = false;; rejected = true) {
@@ -117,11 +135,12 @@ StepStatus ElementIntegrator::step(double limit) {
       continue;
     }
     const double largest = rejected ? 1 : first_ ? 100 : 8;
-    const double growth = error <= 1e-30 ? largest : std::min(largest, std::max(0.2, 0.9 * std::pow(error, -1 / method_->errorOrder())));
+    const double growth = error <= 1e-12 ? largest : std::min(largest, std::max(0.2, 0.9 * std::pow(error, -1 / method_->errorOrder())));
     // A step that the limit cut short says little about the next one.
     next_ = last ? std::max(next_, h * growth) : h * growth;
     first_ = false;
     moved_ = true;
+    error_ = error;
     ++statistics_.steps;
     watchStability();
     adopt(last ? limit : beginTime_ + h);

@@ -4,6 +4,7 @@
 #include "runtime/integrate/element_method.h"
 #include "runtime/integrate/smooth_integrator.h"
 
+#include <limits>
 #include <memory>
 
 namespace tf::runtime {
@@ -19,10 +20,23 @@ public:
   // The interpolant's second derivative is off by its error times a few tens: at 1e-3 of a step beyond the end the state is off by some
   // 1e-5 of the interpolant's error, which is of the order of the tolerance.
   [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-3; }
+  [[nodiscard]] bool isExactInside() const override { return settings_.fixedStep <= 0 && error_ <= negligible; }
+  [[nodiscard]] bool samplesInside() const override { return method_->interiorStages() >= 2; }
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
-  [[nodiscard]] double suggestedStep() const override { return next_; }
+  // None where the error of the step does not tell; infinity where there was none, so that any step will do while the accelerations stay.
+  [[nodiscard]] double suggestedStep() const override {
+    return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 ? next_ : 0;
+  }
+  // The rate of a state so near is as good for the next step, but where friction turns with the slip, faster and faster as that ends.
+  [[nodiscard]] double negligibleCorrection() const override {
+    return settings_.fixedStep > 0 || dynamics_.hasTurningSlips() ? 1e-13 : 0.1 * settings_.tolerance;
+  }
+  void resetStatistics() override;
 
 private:
+  // An error of the step, relative to the tolerance: the motion is a polynomial that the method has no error of but rounding.
+  static constexpr double negligible = 1e-4;
+
   [[nodiscard]] double stepAccuracy() const;
   bool solve(double h, double accuracy);
   void adopt(double time);
@@ -32,7 +46,8 @@ private:
 
   std::unique_ptr<ElementMethod> method_;
   std::vector<double> scale_;
-  double next_ = 0;  // suggested length
+  double next_ = 0;   // suggested length
+  double error_ = 0;  // of the last step, relative to the tolerance
   double elementEnd_ = 0;
   bool first_ = true;
   bool moved_ = false;  // the end of the last step was accepted and is the next begin

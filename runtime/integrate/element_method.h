@@ -31,6 +31,8 @@ public:
   // max_i |error_i| / (tolerance scale_i): at most 1 is acceptable; it grows with h to the power errorOrder().
   [[nodiscard]] virtual double errorNorm(const double *scale, double tolerance) const = 0;
   [[nodiscard]] virtual double errorOrder() const = 0;
+  // How many stages lie inside the element.
+  [[nodiscard]] virtual int interiorStages() const = 0;
 
   // h times an estimate of the largest eigenvalue of the Jacobian, relative to the border of the stability region: above 1 the step is
   // limited by stability. 0 of methods that have no such limit.

@@ -71,6 +71,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
 
   starting_ = true;
+  leastMargins_.clear();
   isFolded_ = isSmall_ = false;
   projection_.use(nullptr);
   isComplete_ = true;
@@ -294,6 +295,7 @@ bool ModeDynamics::giveRate(double *rate) {
     for (int i = 0; i < normals; ++i)
       at_.normalForce[rows_.contacts()[i]] = std::max(closedForce_[i] = forces[i], 0.0);
     rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
+    recordMargins();
   }
   const double tauRate = numericalTimeRate(closedForce_, closedRate_);
   timeSpeed_ = tauRate > 0 ? 1 / tauRate : 1;

@@ -92,6 +92,9 @@ public:
   [[nodiscard]] double guardValue(int guard);
   // d/dt of the Gap guards at that point (NaN for the others).
   void guardRates(double *rates) const;
+  // The least value of a Force guard at the evaluations since restartMargins().
+  [[nodiscard]] double leastMargin(int guard) const { return leastMargins_[guards_[guard].index]; }
+  void restartMargins();
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
 
@@ -121,6 +124,8 @@ public:
   void holdDirections(double slow) { slips_.hold(slow); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
   [[nodiscard]] int slipRow(int guard) const { return slips_.modelRow(guards_[guard].index); }
+  // The model has slips of two components, whose friction may turn.
+  [[nodiscard]] bool hasTurningSlips() const { return std::find(isPaired_.begin(), isPaired_.end(), 1) != isPaired_.end(); }
   [[nodiscard]] bool launches() const { return slips_.launches(); }
   [[nodiscard]] bool hasLaunched() const { return slips_.haveLaunched(); }
   // A relaxed slip stays on the edge of its disk, where it turns within slipRadius/acceleration: stiff for any integrator that is not.
@@ -152,6 +157,7 @@ private:
   bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
   void buildGuards();
+  void recordMargins();
 
   ModelEvaluation &at_;
   Mode mode_;
@@ -175,6 +181,7 @@ private:
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;
+  std::vector<double> leastMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
   double timeSpeed_ = 1;
   EvaluationFailure failure_ = EvaluationFailure::None;

@@ -8,9 +8,18 @@
 
 namespace tf::runtime {
 
+void ModeDynamics::restartMargins() { std::fill(leastMargins_.begin(), leastMargins_.end(), std::numeric_limits<double>::infinity()); }
+
+void ModeDynamics::recordMargins() {
+  const auto values = isFolded_ ? folded_.marginValues() : forces_.marginValues();
+  for (std::size_t k = 0; k < leastMargins_.size(); ++k)
+    leastMargins_[k] = std::min(leastMargins_[k], values[k]);
+}
+
 void ModeDynamics::buildGuards() {
   const tf_model &model = at_.model();
   guards_.clear();
+  leastMargins_.assign(rows_.count() > 0 ? forces_.margins().size() : 0, -std::numeric_limits<double>::infinity());
   for (int i = 0; i < model.nc; ++i)
     if (!mode_.closed[i])
       guards_.push_back({GuardKind::Gap, i, 1, model.contacts[i].nominal});

@@ -22,6 +22,7 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
       normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs),
       switchingMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1) {
   const int nx = columns();
+  zero_ = array(stateSize());
   conditionGradient = array(model.ns, nx);
   residualByState = array(model.nv, nx);
   stateRateByState = array(model.nz, nx);
@@ -52,8 +53,7 @@ bool ModelEvaluation::setParameters(const double *parameters) {
   if (!model_->mass_is_constant || model_->nv == 0)
     return true;
   // The mass depends on parameters only: any point will do.
-  const std::vector<double> zero(stateSize());
-  in_[TF_IN_Q] = in_[TF_IN_V] = in_[TF_IN_Z] = zero.data();
+  in_[TF_IN_Q] = in_[TF_IN_V] = in_[TF_IN_Z] = zero_.data();
   forces();
   return mobility.setMass(massMatrix.data());
 }

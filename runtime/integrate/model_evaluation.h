@@ -97,6 +97,7 @@ private:
   const InputSignals *inputs_;
   const double *in_[TF_IN_COUNT] = {};
   std::vector<double> coordinateChange_, inputShift_;
+  std::vector<double> zero_;  // a state
   double time_ = 0, segment_ = 0;
   long long parameterRevision_ = 0;
   bool constantInputs_ = false;

@@ -20,6 +20,7 @@ public:
   void accept() override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double errorOrder() const override { return (stages_ + 1) * errorPower_; }
+  [[nodiscard]] int interiorStages() const override { return stages_ - 1; }
 
 private:
   enum class Iteration : std::uint8_t { Converged, Slow, Failed };

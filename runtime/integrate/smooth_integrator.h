@@ -31,7 +31,8 @@ public:
   SmoothIntegrator(const SmoothIntegrator &) = delete;
   SmoothIntegrator &operator=(const SmoothIntegrator &) = delete;
 
-  // Begins at (time, state) in the dynamics' mode; `rate` is dy/dt there. A suggested first step ≤ 0 means: find one.
+  // Begins at (time, state) in the dynamics' mode; `rate` is dy/dt there. A suggested first step ≤ 0 means: find one; infinity: to the
+  // limit.
   virtual void start(double time, const double *state, const double *rate, double firstStep) = 0;
   // One step from where the last one ended, not beyond `limit`.
   virtual StepStatus step(double limit) = 0;
@@ -41,6 +42,10 @@ public:
   virtual void interpolate(double time, double *state) = 0;
   // As far the interpolant goes on smoothly, with the state and the rate that the step has at its end.
   [[nodiscard]] virtual double reach() const { return 0; }
+  // The interpolant is as good as the step, far within the tolerance: the end may be moved to any time inside the step.
+  [[nodiscard]] virtual bool isExactInside() const { return false; }
+  // The step has evaluated the dynamics at several places inside it (ModeDynamics::leastMargin).
+  [[nodiscard]] virtual bool samplesInside() const { return false; }
   // The caller has moved the end of the step by a trifle.
   void moveEnd(double time) { endTime_ = time; }
   // While a gap grows from zero its sign depends on errors far below the tolerance: a method whose first steps are of low order must be
@@ -52,17 +57,19 @@ public:
   [[nodiscard]] virtual bool startsToRounding() const { return true; }
   // Stability, not accuracy, limits the steps of this mode.
   [[nodiscard]] virtual bool isStiff() const { return false; }
-  // Length that the error control would take next.
+  // Length that the error control would take next, in the same mode; 0: it does not know, infinity: any.
   [[nodiscard]] virtual double suggestedStep() const = 0;
 
   [[nodiscard]] double beginTime() const { return beginTime_; }
   [[nodiscard]] double endTime() const { return endTime_; }
   [[nodiscard]] const double *begin() const { return begin_.data(); }
   [[nodiscard]] const double *beginRate() const { return beginRate_.data(); }
-  // The caller may project the end of a step; it then tells the rate there.
+  // The caller may project the end of a step; it then tells the rate there, where the correction is not negligible.
   [[nodiscard]] double *end() { return end_.data(); }
   [[nodiscard]] double *endRate() { return endRate_.data(); }
+  [[nodiscard]] virtual double negligibleCorrection() const { return 1e-13; }
   [[nodiscard]] const IntegratorStatistics &statistics() const { return statistics_; }
+  virtual void resetStatistics() { statistics_ = {}; }
   [[nodiscard]] const IntegratorSettings &settings() const { return settings_; }
 
 protected:

@@ -185,8 +185,16 @@ void ModelInstance::evaluateBindings() {
 }
 
 Starts ModelInstance::starts(double startTime) const {
-  Starts starts{std::vector<double>(q_.size()), std::vector<double>(v_.size()), std::vector<double>(z_.size()),
-                std::vector<double>(u_.size())};
+  Starts starts;
+  this->starts(startTime, starts);
+  return starts;
+}
+
+void ModelInstance::starts(double startTime, Starts &starts) const {
+  starts.q.resize(q_.size());
+  starts.v.resize(v_.size());
+  starts.z.resize(z_.size());
+  starts.u.resize(u_.size());
   std::array<const double *, TF_IN_COUNT> in{};
   in[TF_IN_TIME] = &startTime;
   in[TF_IN_P] = parameters_.data();
@@ -211,7 +219,6 @@ Starts ModelInstance::starts(double startTime) const {
     for (std::size_t k = first; k < first + 4; ++k)
       starts.q[k] /= length;
   }
-  return starts;
 }
 
 const std::vector<ModelInstance::Override> *ModelInstance::overridesOf(std::int32_t kind) const {

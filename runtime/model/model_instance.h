@@ -53,6 +53,8 @@ public:
   // The model's starts with the set ones in their places; u: the model's starts or the constants set. Quaternions of which a part is set
   // are normalised.
   [[nodiscard]] Starts starts(double startTime) const;
+  // As well, into `starts`, whose arrays are used again.
+  void starts(double startTime, Starts &starts) const;
   // Whether the start of coordinate, velocity or state `index`, or the input `index`, was set.
   [[nodiscard]] bool isSet(tf_kind kind, std::int32_t index) const;
   // Number of the variable of this kind and index, -1 if the model lists none.

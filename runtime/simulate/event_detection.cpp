@@ -13,6 +13,9 @@ bool isForceGuard(GuardKind kind) { return kind == GuardKind::Force || kind == G
 // Of a gap, relative to its scale.
 constexpr double rounding = 1e-12;
 
+// To what part of a bracket a zero is found on the interpolant; `locate` goes on from there.
+constexpr double located = 1e-6;
+
 constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
 
 // Cubic Hermite interpolant on [0, h] at s in [0, 1].
@@ -22,13 +25,12 @@ double hermite(double a, double da, double b, double db, double h, double s) {
 }
 
 // The interpolant's least value inside (0, 1), infinity where it has no interior minimum.
-double hermiteMinimum(double a, double da, double b, double db, double h, double &place) {
+double hermiteMinimum(double a, double da, double b, double db, double h) {
   // Derivative (in s): 3 p s² + 2 q s + r.
   const double p = 2 * (a - b) + h * (da + db);
   const double q = 3 * (b - a) - h * (2 * da + db);
   const double r = h * da;
   const double discriminant = q * q - 3 * p * r;
-  place = -1;
   if (discriminant < 0)
     return std::numeric_limits<double>::infinity();
   const double root = std::sqrt(discriminant);
@@ -36,20 +38,46 @@ double hermiteMinimum(double a, double da, double b, double db, double h, double
   const double s = q + root != 0 ? -r / (q + root) : std::numeric_limits<double>::infinity();
   if (!(s > 0 && s < 1))
     return std::numeric_limits<double>::infinity();
-  place = s;
   return hermite(a, da, b, db, h, s);
+}
+
+// The slope of the interpolant by s.
+double hermiteSlope(double a, double da, double b, double db, double h, double s) {
+  return 6 * s * (1 - s) * (b - a) + h * ((1 - s) * (1 - 3 * s) * da + s * (3 * s - 2) * db);
+}
+
+// The place in (0, 1) where the interpolant falls through zero for the last time before its end, which is negative and falling: Newton's
+// method from there, to 1e-10 or so. −1: it does not converge.
+double hermiteZero(double a, double da, double b, double db, double h) {
+  double s = 1;
+  for (int k = 0; k < 12; ++k) {
+    const double slope = hermiteSlope(a, da, b, db, h, s);
+    const double step = -hermite(a, da, b, db, h, s) / slope;
+    if (!(slope < 0) || !(s + step > 0) || !(s + step <= 1))
+      return -1;
+    s += step;
+    if (std::abs(step) <= 1e-5)
+      return s;
+  }
+  return -1;
 }
 
 }  // namespace
 
-EventDetection::EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integrator)
-    : dynamics_(dynamics), integrator_(&integrator), pool_(deepest + 1), state_(dynamics.size()), scratch_(dynamics.size()) {}
+EventDetection::EventDetection(ModeDynamics &dynamics)
+    : dynamics_(dynamics), pool_(deepest + 1), state_(dynamics.size()), scratch_(dynamics.size()) {}
+
+void EventDetection::setIntegrator(SmoothIntegrator &integrator) {
+  integrator_ = &integrator;
+  startsToRounding_ = integrator.startsToRounding();
+  error_ = integrator.startingError();
+  forceError_ = std::max(1e-9, integrator.settings().tolerance);
+}
 
 // Magnitude below which a guard that starts at zero has not clearly left it: the integrator's error.
 double EventDetection::threshold(int guard) const {
   const Guard &g = dynamics_.guards()[guard];
-  const double tolerance = integrator_->settings().tolerance;
-  return (isForceGuard(g.kind) ? std::max(1e-9, tolerance) : integrator_->startingError()) * g.scale;
+  return (isForceGuard(g.kind) ? forceError_ : error_) * g.scale;
 }
 
 // Where a hop begins and ends: zero, but for a gap that starts clearly below it.
@@ -72,7 +100,7 @@ double EventDetection::level(int guard) const {
 // a ballistic hop) shows it all the same.
 double EventDetection::hop(int guard, double time, double gap, double rate) const {
   const double scale = dynamics_.guards()[guard].scale, base = hopBase(guard);
-  if (!integrator_->startsToRounding() || start_[guard] > rounding * scale || std::abs(gap - base) > rounding * scale)
+  if (!startsToRounding_ || start_[guard] > rounding * scale || std::abs(gap - base) > rounding * scale)
     return gap;
   const double integral = 0.5 * (time - startTime_) * (startRate_[guard] + rate);
   return std::abs(integral) <= 10 * rounding * scale ? base + integral : gap;
@@ -89,14 +117,17 @@ void EventDetection::readGuards(double time, Sample &sample) {
       sample.value[k] = hop(static_cast<int>(k), time, sample.value[k], sample.rate[k]);
 }
 
-// Without forces the values of their guards mean nothing.
+// On the interpolant; the guards that need forces are NaN where these are left out.
 bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
   integrator_->interpolate(time, state_.data());
-  if (!withForces || !needsForces_)
+  if (!withForces)
     dynamics_.model().setPoint(time, state_.data());
   else if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
     return false;
   readGuards(time, sample);
+  for (std::size_t k = 0; needsForces_ && !withForces && k < sample.value.size(); ++k)
+    if (isForceGuard(dynamics_.guards()[k].kind))
+      sample.value[k] = std::numeric_limits<double>::quiet_NaN();
   return true;
 }
 
@@ -106,6 +137,11 @@ double EventDetection::guardAt(int guard, double time, const double *state) {
     return std::numeric_limits<double>::quiet_NaN();
   if (!isForce)
     dynamics_.model().setPoint(time, state);
+  return guardHere(guard, time);
+}
+
+// At the dynamics' point.
+double EventDetection::guardHere(int guard, double time) {
   const double value = dynamics_.guardValue(guard);
   const Guard &g = dynamics_.guards()[guard];
   return g.kind == GuardKind::Gap ? hop(guard, time, value, dynamics_.model().gapRate[g.index]) : value;
@@ -129,8 +165,8 @@ void EventDetection::restart(double time, double speedOfRounding) {
   // A gap that opens at a speed needs no distance to be taken for open.
   for (std::size_t k = 0; k < count; ++k) {
     const double least = threshold(static_cast<int>(k));
-    const bool opens = integrator_->startsToRounding() ? begin_.rate[k] > speedOfRounding
-                                                       : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
+    const bool opens =
+        startsToRounding_ ? begin_.rate[k] > speedOfRounding : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
     armed_[k] = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
   }
 }
@@ -145,8 +181,8 @@ void EventDetection::watchStart() {
 // A zero of a gap, which has a rate, by Newton's method in the bracket; `x` is the first guess.
 void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent &event) {
   const int contact = dynamics_.guards()[guard].index;
-  // Of times, which are rounded.
-  const double accuracy = std::max(1e-12 * (event.high - event.low), 4 * std::numeric_limits<double>::epsilon() * std::abs(event.high));
+  // Times are rounded.
+  const double least = std::max(1e-12 * (event.high - event.low), 4 * std::numeric_limits<double>::epsilon() * std::abs(event.high));
   double a = event.low, b = event.high, previous = 0;
   for (int k = 0; k < 60; ++k) {
     const double value = guardInside(guard, x) - zero;
@@ -157,7 +193,7 @@ void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent 
     const bool isNewton = event.slope < 0 && next > a && next < b;
     if (!isNewton)
       next = 0.5 * (a + b);
-    const double step = std::abs(next - x);
+    const double step = std::abs(next - x), accuracy = located * (x - event.low) + least;
     // Quadratic convergence: the step after this one would be step (step/previous)². Once it has come near, rounding of the values keeps
     // later steps from becoming shorter.
     const bool isRounding = isNewton && previous > 0 && step >= 0.5 * previous && step <= 1e-8 * (event.high - event.low);
@@ -170,12 +206,13 @@ void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent 
   }
 }
 
-// By the Illinois method, until the estimates agree.
+// By the Illinois method, until the estimates agree to a part of the bracket: forces cost an evaluation each time.
 void EventDetection::illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event) {
+  const double accuracy = lowValue <= 0 ? 1e-9 : isForceGuard(dynamics_.guards()[guard].kind) ? 1e-5 : located;
   double a = event.low, fa = lowValue, b = event.high, fb = highValue;
   double weightA = 1, weightB = 1;  // of the values, in the interpolation
   int side = 0;
-  const double smallest = 8 * std::numeric_limits<double>::epsilon() * std::abs(b), close = 1e-9 * (b - a);
+  const double smallest = 8 * std::numeric_limits<double>::epsilon() * std::abs(b), close = accuracy * (b - a);
   double last = b, lastValue = fb;
   event.time = b;
   for (int k = 0; k < 80 && b - a > (fa > 0 ? close : smallest); ++k) {
@@ -221,13 +258,16 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
     return;
   const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
-  const double secant = (low.time * atHigh - high.time * atLow) / (atHigh - atLow);
   // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near; where the
   // start is not followed to rounding, the gap must be known to have opened.
-  const bool opens = armed_[guard] != Arming::Not || integrator_->startsToRounding();
+  const bool opens = armed_[guard] != Arming::Not || startsToRounding_;
   const bool falls = dynamics_.guards()[guard].kind == GuardKind::Gap && opens && high.rate[guard] < 0;
-  if (falls)
-    newtonZero(guard, zero, std::max(high.time - atHigh / high.rate[guard], secant), event);
+  if (falls) {
+    const double h = high.time - low.time;
+    const double place = hermiteZero(atLow, low.rate[guard], atHigh, high.rate[guard], h);
+    const double tangent = high.time - atHigh / high.rate[guard];
+    newtonZero(guard, zero, place > 0 ? low.time + place * h : std::max(tangent, 0.5 * (low.time + high.time)), event);
+  }
   if (!falls || (atLow <= 0 && !(event.slope < 0 && event.time - low.time > 1e-3 * (high.time - low.time))))
     illinoisZero(guard, zero, atLow, atHigh, event);
   if (first.guard < 0 || event.time < first.time)
@@ -243,20 +283,27 @@ bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
   return std::min(a.value[guard], b.value[guard]) < reach;
 }
 
-// Gaps have rates: an interval in which one may dip is halved until the cubic through the ends predicts the middle well enough to decide.
-void EventDetection::examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first) {
-  bool divide = false;
+// Zeros between two samples, of all guards (or of gaps alone, where the samples inside a larger interval have no others), and which gaps
+// may dip between. True: one may.
+bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps, DetectedEvent &first) {
+  bool dips = false;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
     const int guard = static_cast<int>(k);
-    if (depth > 0 && isForceGuard(dynamics_.guards()[k].kind))
+    if (onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap)
       continue;
     if (a.value[k] > threshold(guard))
       armed_[k] = Arming::ByValue;
     if (b.value[k] < level(guard))
       bracket(guard, a, b, first);
-    divide = divide || mayDip(guard, a, b);
+    dips = dips || mayDip(guard, a, b);
   }
-  if (!divide || depth >= deepest)
+  return dips;
+}
+
+// Gaps have rates: an interval in which one may dip is halved until the cubic through the ends predicts the middle well enough to decide.
+void EventDetection::examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first) {
+  const bool divide = examineEnds(a, b, depth > 0, first);
+  if (!divide || depth >= deepest || (first.guard >= 0 && first.time <= a.time))
     return;
   const double h = b.time - a.time;
   Sample &middle = pool_[depth];
@@ -268,9 +315,8 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
     if (!mayDip(guard, a, b))
       continue;
     const double error = std::abs(hermite(a.value[k], a.rate[k], b.value[k], b.rate[k], h, 0.5) - middle.value[k]);
-    double place = 0;
-    const double left = hermiteMinimum(a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h, place);
-    const double right = hermiteMinimum(middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h, place);
+    const double left = hermiteMinimum(a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h);
+    const double right = hermiteMinimum(middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h);
     // The cubics on the halves are about sixteen times better than the one on the whole.
     again = again || middle.value[k] < 0 || std::min({left, right, middle.value[k]}) < 0.25 * error || left < 0 || right < 0;
   }
@@ -285,7 +331,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
 void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
   const double h = b.time - a.time;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    if (dynamics_.guards()[k].kind == GuardKind::Gap || armed_[k] == Arming::Not || middle.value[k] < 0 || b.value[k] < 0)
+    if (dynamics_.guards()[k].kind == GuardKind::Gap || armed_[k] == Arming::Not || !(middle.value[k] >= 0) || b.value[k] < 0)
       continue;
     const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
     const double slope = b.value[k] - a.value[k];
@@ -308,16 +354,79 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
   }
 }
 
-// All guards are gaps that the step cannot have closed, by their rates at both ends.
-bool EventDetection::allFar() const {
+// A gap that the step cannot have closed, by its rates at both ends.
+bool EventDetection::isFar(int guard) const {
+  const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
+  return armed_[guard] != Arming::Not &&
+         std::min(begin_.value[guard], end_.value[guard]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)});
+}
+
+// A force that dips nowhere in the step where the method has evaluated it.
+bool EventDetection::isSteady(int guard) const {
+  const double least = dynamics_.leastMargin(guard);
+  return armed_[guard] != Arming::Not && integrator_->samplesInside() && least > 0 &&
+         least > 0.5 * std::min(begin_.value[guard], end_.value[guard]);
+}
+
+// Functions of angles must not turn round unseen between two samples: into so many equal parts the step is divided at least.
+int EventDetection::intervalCount() const {
+  constexpr double most = 1000;
+  const tf_model &model = dynamics_.model().model();
+  const double farthest = model.nr > 0 ? 1.5 : 3;  // quaternions turn by half of the angle
   const double h = end_.time - begin_.time;
-  for (std::size_t k = 0; k < armed_.size(); ++k) {
+  double turn = 0;
+  for (int i = 0; i < model.nq; ++i)
+    turn = std::max(turn, std::max(std::abs(integrator_->beginRate()[i]), std::abs(integrator_->endRate()[i])) /
+                              integrator_->settings().scale[i]);
+  return std::max(2, static_cast<int>(std::min(std::ceil(h * turn / farthest), most)));
+}
+
+// Where all guards are gaps that are cubic functions of time over a step that is long for want of errors, as in free flight: their zeros
+// are those of the cubics through the ends, of which a sample at a place that no period divides is the proof. False: they are not.
+bool EventDetection::examineCubics(DetectedEvent &first) {
+  constexpr double place = 0.5 * 0.3819660112501051;
+  constexpr double accepted = 1e-9;
+  if (!integrator_->isExactInside())
+    return false;
+  const std::size_t count = dynamics_.guards().size();
+  const double h = end_.time - begin_.time;
+  for (std::size_t k = 0; k < count; ++k)
     if (dynamics_.guards()[k].kind != GuardKind::Gap || armed_[k] == Arming::Not)
       return false;
-    const double a = begin_.rate[k], b = end_.rate[k];
-    if (!(std::min(begin_.value[k], end_.value[k]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)})))
+  if (!sampleInside(begin_.time + place * h, false, inner_[0]))
+    return false;
+  for (std::size_t k = 0; k < count; ++k) {
+    const double a = begin_.value[k], b = end_.value[k], da = begin_.rate[k], db = end_.rate[k];
+    const double size = std::max({std::abs(a), std::abs(b), h * std::abs(da), h * std::abs(db)});
+    if (!(std::abs(hermite(a, da, b, db, h, place) - inner_[0].value[k]) <= accepted * size))
       return false;
   }
+  first = {};
+  for (std::size_t k = 0; k < count; ++k)
+    if (!cubicZero(static_cast<int>(k), first))
+      return false;
+  return true;
+}
+
+// The first zero of the cubic through the ends of the step, at least a part of it away from its begin. False: it is not clear.
+bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
+  const double a = begin_.value[guard], b = end_.value[guard], da = begin_.rate[guard], db = end_.rate[guard];
+  const double h = end_.time - begin_.time, zero = level(guard);
+  const bool opens = a <= threshold(guard);
+  if (opens && !(da > 0 && a >= -threshold(guard)))
+    return false;
+  if (b - zero >= 0) {
+    const double least = hermiteMinimum(a, da, b, db, h);
+    return std::min(least, b) - zero > threshold(guard) || (least == std::numeric_limits<double>::infinity() && b - zero > 0);
+  }
+  const double place = db < 0 ? hermiteZero(opens ? 0 : a - zero, da, b - zero, db, h) : -1;
+  // The cubic is positive all the way to there if it rises at its begin or falls from a positive value, and bends down only.
+  const double bend = 6 * (b - a) - 2 * h * (2 * da + db), bendAtEnd = 6 * (a - b) + 2 * h * (da + 2 * db);
+  if (!(place > 1e-3) || bend > 0 || bendAtEnd > 0)
+    return false;
+  const double time = begin_.time + place * h;
+  if (first.guard < 0 || time < first.time)
+    first = {guard, time, begin_.time, end_.time, hermiteSlope(a, da, b, db, h, place) / h};
   return true;
 }
 
@@ -328,16 +437,44 @@ DetectedEvent EventDetection::detect() {
   begin_.time = integrator_->beginTime();
   // The dynamics' last evaluation is at the end of the step.
   readGuards(integrator_->endTime(), end_);
-  if (allFar())
+  bool quiet = true, steady = true;
+  for (std::size_t k = 0; k < armed_.size(); ++k) {
+    const int guard = static_cast<int>(k);
+    const GuardKind kind = dynamics_.guards()[k].kind;
+    if (kind == GuardKind::Force)
+      steady = steady && isSteady(guard);
+    else if (isForceGuard(kind))
+      steady = false;
+    else
+      quiet = quiet && kind == GuardKind::Gap && isFar(guard);
+  }
+  // Long steps may turn a body round: their ends tell nothing.
+  quiet = quiet && (!integrator_->isExactInside() || intervalCount() == 2);
+  if ((quiet && steady) || examineCubics(first))
     return first;
-  Sample &middle = middle_;
-  if (!sampleInside(0.5 * (begin_.time + end_.time), true, middle))
-    return first;
-  examine(begin_, middle, 0, first);
-  if (first.guard < 0 || first.time > middle.time)
-    examine(middle, end_, 0, first);
-  examineForces(begin_, middle, end_, first);
+  first = {};
+  examineSamples(!steady, first);
   return first;
+}
+
+void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
+  const int count = intervalCount();
+  const double h = end_.time - begin_.time;
+  const Sample *before = nullptr, *a = &begin_;
+  for (int i = 1; i <= count && (first.guard < 0 || first.time > a->time); ++i) {
+    const Sample *b = &end_;
+    if (i < count) {
+      Sample &inner = inner_[i % 3];
+      if (!sampleInside(begin_.time + i * (h / count), withForces, inner))
+        return;
+      b = &inner;
+    }
+    examine(*a, *b, 0, first);
+    if (before != nullptr)
+      examineForces(*before, *a, *b, first);
+    before = a;
+    a = b;
+  }
 }
 
 void EventDetection::advance() {
@@ -351,151 +488,6 @@ void EventDetection::advance() {
   for (std::size_t k = 0; k < armed_.size(); ++k)
     watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= 1e3 * threshold(static_cast<int>(k)));
   integrator_->setCareful(watched_);
-}
-
-// The step's length h is an unknown together with the state: Newton's method on guard(y(t0 + h)) = 0 with the element solved anew for each
-// h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
-bool EventDetection::locate(DetectedEvent &event) {
-  const int guard = event.guard;
-  const double zero = level(guard);
-  const double begin = integrator_->beginTime();
-  double low = begin, high = std::max(event.high, event.time);
-  double x = event.time, slope = event.slope;
-  for (int k = 0; k < 60; ++k) {
-    if (!integrator_->shorten(x))
-      return false;
-    // The guard is zero where the event's state will be: on the closed contacts.
-    dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
-    readGuards(x, end_);
-    const double value = end_.value[guard] - zero;
-    (value >= 0 ? low : high) = x;
-    if (!std::isnan(end_.rate[guard]))
-      slope = end_.rate[guard];
-    const double correction = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
-    if (std::abs(correction) <= integrator_->reach() * (x - begin) && extend(guard, zero, slope, x, event))
-      return true;
-    if (std::abs(correction) <= 1e-5 * (x - begin))
-      return nudge(guard, zero, slope, x, event);
-    double next = x + correction;
-    if (!(next > low && next < high)) {
-      // The element's own zero may lie a little beyond the bracket that the interpolant gave.
-      if (value >= 0 && x >= high - 1e-12 * (high - begin) && k < 4) {
-        high = x + 0.1 * (x - begin);
-        next = std::min(next, high);
-      } else {
-        next = 0.5 * (low + high);
-      }
-    }
-    if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
-      event.time = x;
-      return true;
-    }
-    x = next;
-  }
-  event.time = x;
-  return true;
-}
-
-bool EventDetection::findEarlier(DetectedEvent &event) {
-  constexpr double visible = 100 * rounding;
-  DetectedEvent earlier;
-  const double begin = integrator_->beginTime();
-  if (std::abs(event.time - end_.time) > 1e-3 * (event.time - begin))
-    readGuards(event.time, end_);
-  const double beyond = event.time - end_.time;
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    const Guard &guard = dynamics_.guards()[k];
-    const int number = static_cast<int>(k);
-    if (guard.kind != GuardKind::Gap || number == event.guard)
-      continue;
-    const double rate = end_.rate[k], value = end_.value[k] + rate * beyond - level(number);
-    if (value >= -visible * guard.scale)
-      continue;
-    double time = rate < 0 ? event.time - value / rate : begin;
-    if (!(time > begin))
-      time = 0.5 * (begin + event.time);
-    if (earlier.guard < 0 || time < earlier.time)
-      earlier = {number, time, begin, event.time, rate};
-  }
-  if (earlier.guard < 0)
-    return false;
-  event = earlier;
-  return true;
-}
-
-// From the element's end at `base`, projected, along the interpolant to the zero nearby; the rate at the end stays that at `base`. False:
-// no zero within the interpolant's reach.
-bool EventDetection::extend(int guard, double zero, double slope, double base, DetectedEvent &event) {
-  const double farthest = integrator_->reach() * (base - integrator_->beginTime());
-  const double resolution = 0.5 * std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
-  const int n = dynamics_.size();
-  double x = base, value = end_.value[guard] - zero;
-  integrator_->interpolate(base, state_.data());
-  nudgeBase_.resize(n);
-  for (int i = 0; i < n; ++i)
-    nudgeBase_[i] = integrator_->end()[i] - state_[i];
-  const bool isGap = dynamics_.guards()[guard].kind == GuardKind::Gap;
-  for (int k = 0; k < 8; ++k) {
-    const double next = x - value / slope;
-    if (!(std::abs(next - base) <= farthest))
-      return false;
-    if (std::abs(next - x) <= resolution)
-      break;
-    const double before = value, step = next - x;
-    x = next;
-    integrator_->interpolate(x, state_.data());
-    for (int i = 0; i < n; ++i)
-      state_[i] += nudgeBase_[i];
-    value = guardAt(guard, x, state_.data()) - zero;
-    if (isGap)
-      slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
-    else if (value != before && std::abs(step) > 8 * resolution)
-      slope = (value - before) / step;
-    if (!(slope < 0))
-      return false;
-  }
-  if (x != base) {
-    std::copy(state_.begin(), state_.end(), integrator_->end());
-    integrator_->moveEnd(x);
-  }
-  event.time = x;
-  return true;
-}
-
-// From the element's end at `base`, where the dynamics has been evaluated, to the zero nearby.
-bool EventDetection::nudge(int guard, double zero, double slope, double base, DetectedEvent &event) {
-  const int n = dynamics_.size();
-  nudgeBase_.assign(integrator_->end(), integrator_->end() + n);
-  nudgeRate_.assign(integrator_->endRate(), integrator_->endRate() + n);
-  double value = end_.value[guard] - zero, x = base, previous = base, previousValue = value;
-  const double length = base - integrator_->beginTime(), farthest = 1e-4 * length;
-  const double resolution = std::numeric_limits<double>::epsilon() * std::max(std::abs(base), length);
-  for (int k = 0; k < 8 && value != 0; ++k) {
-    const double step = -value / slope;
-    previous = x;
-    previousValue = value;
-    // A guard that is not smooth here may send the zero anywhere.
-    if (std::abs(step) <= 0.5 * resolution || !(std::abs(x + step - base) <= farthest))
-      break;
-    x += step;
-    const double h = x - base;
-    for (int i = 0; i < n; ++i)
-      state_[i] = nudgeBase_[i] + h * nudgeRate_[i];
-    if (!dynamics_.evaluate(x, state_.data(), integrator_->endRate()))
-      return false;
-    for (int i = 0; i < n; ++i)
-      integrator_->end()[i] = nudgeBase_[i] + 0.5 * h * (nudgeRate_[i] + integrator_->endRate()[i]);
-    value = guardAt(guard, x, integrator_->end()) - zero;
-    if (std::isnan(value))
-      return false;
-    if (x != previous && value != previousValue && std::abs(x - previous) > 4 * resolution)
-      slope = (value - previousValue) / (x - previous);
-    if (!(slope < 0))
-      break;
-  }
-  event.time = x;
-  integrator_->moveEnd(x);
-  return dynamics_.evaluate(x, integrator_->end(), integrator_->endRate());
 }
 
 }  // namespace tf::runtime

@@ -4,6 +4,7 @@
 
 #include "runtime/integrate/smooth_integrator.h"
 
+#include <array>
 #include <vector>
 
 namespace tf::runtime {
@@ -17,9 +18,10 @@ struct DetectedEvent {
 
 class EventDetection {
 public:
-  EventDetection(ModeDynamics &dynamics, SmoothIntegrator &integrator);
+  explicit EventDetection(ModeDynamics &dynamics);
 
-  void setIntegrator(SmoothIntegrator &integrator) { integrator_ = &integrator; }
+  // Before all else.
+  void setIntegrator(SmoothIntegrator &integrator);
   // A new mode begins at `time`, in the state of the dynamics' last evaluation.
   // Gaps that start at zero with a larger rate than `speedOfRounding` are open.
   void restart(double time, double speedOfRounding);
@@ -43,7 +45,13 @@ private:
 
   void readGuards(double time, Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
-  [[nodiscard]] bool allFar() const;
+  [[nodiscard]] bool isFar(int guard) const;
+  [[nodiscard]] bool isSteady(int guard) const;
+  [[nodiscard]] int intervalCount() const;
+  bool examineCubics(DetectedEvent &first);
+  bool cubicZero(int guard, DetectedEvent &first) const;
+  void examineSamples(bool withForces, DetectedEvent &first);
+  bool examineEnds(const Sample &a, const Sample &b, bool onlyGaps, DetectedEvent &first);
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
   void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
@@ -56,11 +64,13 @@ private:
   double hopBase(int guard) const;
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
-  bool extend(int guard, double zero, double slope, double base, DetectedEvent &event);
-  bool nudge(int guard, double zero, double slope, double base, DetectedEvent &event);
+  double guardHere(int guard, double time);
+  bool moveInside(DetectedEvent &event);
+  bool extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
+  bool nudge(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
 
   ModeDynamics &dynamics_;
-  SmoothIntegrator *integrator_;
+  SmoothIntegrator *integrator_ = nullptr;
   // Whether the guard is known to be open in this mode: because it rises from its start, or because it has been clearly positive.
   enum class Arming : std::uint8_t { Not, BySpeed, ByValue };
   std::vector<Arming> armed_;
@@ -68,8 +78,11 @@ private:
   std::vector<double> start_, startRate_;
   bool needsForces_ = false;
   bool watched_ = false;  // a gap has not left zero yet
-  Sample begin_, middle_, end_;
-  std::vector<Sample> pool_;  // one middle for each depth of the search
+  bool startsToRounding_ = true;
+  double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
+  Sample begin_, end_;
+  std::array<Sample, 3> inner_;  // the latest ones
+  std::vector<Sample> pool_;     // one middle for each depth of the search
   std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_;
 };
 

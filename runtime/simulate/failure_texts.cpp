@@ -98,8 +98,7 @@ std::string FailureTexts::startValues(const double *state) const {
 }
 
 std::string FailureTexts::negativeFriction() {
-  const std::vector<std::uint8_t> all(model_.nc + model_.nf, 1);
-  at_.contactTerms(all.data());
+  at_.contactTerms(all_.data());
   for (int i = 0; i < model_.nc; ++i)
     if (at_.friction[i] < 0)
       return negativeFrictionOf(model_.contacts[i], at_.friction[i]);

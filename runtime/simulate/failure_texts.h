@@ -5,6 +5,7 @@
 #include "runtime/model/model_instance.h"
 
 #include <string>
+#include <vector>
 
 namespace tf::runtime {
 
@@ -12,7 +13,8 @@ class FailureTexts {
 public:
   // Both must outlive the texts.
   FailureTexts(ModeDynamics &dynamics, const ModelInstance &instance)
-      : model_(instance.model()), at_(dynamics.model()), dynamics_(dynamics), instance_(instance) {}
+      : model_(instance.model()), at_(dynamics.model()), dynamics_(dynamics), instance_(instance),
+        all_(static_cast<std::size_t>(model_.nc) + model_.nf, 1) {}
 
   // Each is empty where nothing is wrong.
   // Restitution and rate of contacts at the parameters.
@@ -40,6 +42,7 @@ private:
   ModelEvaluation &at_;
   ModeDynamics &dynamics_;
   const ModelInstance &instance_;
+  std::vector<std::uint8_t> all_;  // mask of all contacts and friction elements
 };
 
 }  // namespace tf::runtime

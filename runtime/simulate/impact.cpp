@@ -18,19 +18,24 @@ constexpr double roundingOfVelocities = 1e-13;
 void Impact::assemble(double time, const double *state, const std::vector<int> &contacts) {
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
-  at_.dynamics();
+  // A constant mass matrix is factorised already.
+  if (model.mass_is_constant == 0 || model.nh > 0)
+    at_.dynamics();
   std::fill(mask_.begin(), mask_.end(), std::uint8_t{0});
   for (int i : contacts)
     mask_[i] = 1;
   at_.contactTerms(mask_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
-  std::vector<int> tangents;
+  std::vector<int> &tangents = tangents_;
+  tangents.clear();
   for (int i : contacts)
     for (int k = 0; k < model.contacts[i].tangent_count; ++k)
       if (at_.friction[i] > 0 && takesPartInImpacts(roles_[model.contacts[i].tangent_first + k]))
         tangents.push_back(model.contacts[i].tangent_first + k);
-  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
-  rows_.choose(model, contacts, tangents, problem_);
+  if (contacts != rows_.contacts() || tangents != rows_.tangents()) {
+    problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
+    rows_.choose(model, contacts, tangents, problem_);
+  }
   rows_.assemble(at_, problem_.delassus, problem_);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
     problem_.normalVelocity[i] = at_.gapRate[contacts[i]];

@@ -52,6 +52,7 @@ private:
   FrozenPhase phase_;
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;
+  std::vector<int> tangents_;
   std::string text_;
   bool elastic_ = true;
   int breakpoints_ = 0, starter_ = -1;

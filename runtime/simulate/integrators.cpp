@@ -47,7 +47,22 @@ IntegratorSettings Integrators::settings(const SimulationOptions &options) const
   return settings;
 }
 
+// Those of the run before serve again where nothing has changed; CVODE begins anew.
+void Integrators::prepare(const SimulationOptions &options) {
+  const bool same = primary_ && options.integrator != TF_CVODE && options.integrator == options_.integrator &&
+                    options.tolerance == options_.tolerance && options.stages == options_.stages && options.fixedStep == options_.fixedStep;
+  if (!same)
+    make(options);
+  fallback_.reset();
+  for (SmoothIntegrator *integrator : {primary_.get(), launch_.get(), bounces_.get()})
+    if (integrator != nullptr)
+      integrator->resetStatistics();
+  use(*primary_, IntegratorReason::Primary);
+  lastKind_.reset();
+}
+
 void Integrators::make(const SimulationOptions &options) {
+  options_ = options;
   const IntegratorSettings settings = this->settings(options);
   const int n = dynamics_.size();
   const tf_model &model = dynamics_.model().model();
@@ -59,7 +74,6 @@ void Integrators::make(const SimulationOptions &options) {
   wanted_ = options.integrator;
   primaryIsStep_ = wanted_ == TF_STEP || (wanted_ == TF_AUTO && options.stages > 0);
   mayFallBack_ = wanted_ != TF_CVODE && options.fixedStep <= 0;
-  fallback_.reset();
   launch_.reset();
   bounces_.reset();
   if (wanted_ == TF_CVODE)
@@ -72,8 +86,6 @@ void Integrators::make(const SimulationOptions &options) {
     launch_ = element(std::make_unique<Radau>(n, 4));
   if (wanted_ == TF_CVODE)
     bounces_ = element(std::make_unique<DormandPrince>(n));
-  use(*primary_, IntegratorReason::Primary);
-  lastKind_.reset();
 }
 
 void Integrators::useForNewMode() {

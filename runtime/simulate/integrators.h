@@ -24,8 +24,8 @@ class Integrators {
 public:
   explicit Integrators(ModeDynamics &dynamics) : dynamics_(dynamics) {}
 
-  // New ones, none of which has been started; the primary one is the current one.
-  void make(const SimulationOptions &options);
+  // For a new run with these options; the primary one is the current one.
+  void prepare(const SimulationOptions &options);
   [[nodiscard]] SmoothIntegrator &current() { return *current_; }
   void use(SmoothIntegrator &integrator, IntegratorReason reason) {
     current_ = &integrator;
@@ -57,11 +57,13 @@ public:
 private:
   enum class Kind : std::uint8_t { Explicit, Step, Cvode };
 
+  void make(const SimulationOptions &options);
   [[nodiscard]] IntegratorSettings settings(const SimulationOptions &options) const;
   [[nodiscard]] Kind currentKind() const;
   SmoothIntegrator *fallback();
 
   ModeDynamics &dynamics_;
+  SimulationOptions options_;                             // that they were made for
   std::unique_ptr<SmoothIntegrator> primary_, fallback_;  // the fallback is made when it is needed first
   std::unique_ptr<SmoothIntegrator> launch_, bounces_;
   tf_integrator wanted_ = TF_AUTO;

@@ -21,18 +21,27 @@ double ModeSelection::velocityTolerance(const double *state) const {
   return tolerances_.velocity * largest;
 }
 
-std::vector<int> ModeSelection::touching(double time, const double *state, bool approaching) {
+void ModeSelection::findTouching(double time, const double *state) {
+  if (at_.model().nc > 0) {
+    at_.setPoint(time, state);
+    at_.switching(ModelEvaluation::Gaps);
+  }
+  listTouching(state);
+}
+
+// Gaps have been evaluated at the state.
+void ModeSelection::listTouching(const double *state) {
   const tf_model &model = at_.model();
-  std::vector<int> contacts;
-  if (model.nc == 0)
-    return contacts;
-  at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Gaps);
+  touching_.clear();
+  approaching_.clear();
   const double tolerance = velocityTolerance(state);
-  for (int i = 0; i < model.nc; ++i)
-    if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && (!approaching || at_.gapRate[i] < -tolerance))
-      contacts.push_back(i);
-  return contacts;
+  for (int i = 0; i < model.nc; ++i) {
+    if (!(at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal))
+      continue;
+    touching_.push_back(i);
+    if (at_.gapRate[i] < -tolerance)
+      approaching_.push_back(i);
+  }
 }
 
 // Gaps, slips and constraints may depend on switches of time, whose conditions may depend on other switches in turn.
@@ -125,16 +134,13 @@ void ModeSelection::classifySwitches(const Mode &previous, SwitchHint hint) {
     }
     surfaces_.push_back(j);
     const Switch written = model.switches[j].zero_is_positive != 0 ? Switch::One : Switch::Zero;
-    const Switch other = written == Switch::One ? Switch::Zero : Switch::One;
-    std::vector<Switch> order;
-    if (hinted)
-      order = {hint.value, hint.value == Switch::One ? Switch::Zero : Switch::One};
-    else if (slid)
-      order = {Switch::Sliding, written, other};
-    else
-      order = {written, other};
+    Choices order;
+    if (slid && !hinted)
+      order.add(Switch::Sliding);
+    order.add(hinted ? hint.value : written);
+    order.add((hinted ? hint.value : written) == Switch::One ? Switch::Zero : Switch::One);
     if (model.switches[j].kind == TF_SWITCH_SLIDING && !slid)
-      order.push_back(Switch::Sliding);
+      order.add(Switch::Sliding);
     choices_.push_back(order);
   }
 }
@@ -142,12 +148,22 @@ void ModeSelection::classifySwitches(const Mode &previous, SwitchHint hint) {
 void ModeSelection::chooseRows(double time, const double *state, const Mode &previous) {
   const tf_model &model = at_.model();
   const double velocityTolerance = this->velocityTolerance(state);
-  std::vector<int> contacts, tangents;
+  std::vector<int> &contacts = contacts_, &tangents = tangents_;
+  contacts.clear();
+  tangents.clear();
   for (int i = 0; i < model.nc; ++i) {
     candidates_[i] = at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && std::abs(at_.gapRate[i]) <= velocityTolerance;
     mask_[i] = candidates_[i];
     if (candidates_[i])
       contacts.push_back(i);
+  }
+  if (contacts.empty() && model.nf == 0) {
+    if (problem_.count() > 0) {
+      problem_.resize(0, 0);
+      rows_.choose(model, contacts, tangents, problem_);
+      previousContacts_.resize(0, 0);
+    }
+    return;
   }
   std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
   at_.setPoint(time, state);
@@ -212,17 +228,18 @@ void ModeSelection::readForces() {
 
 // The contact mode for the current step variables.
 ModeSelection::Trial ModeSelection::solveContacts(double time, const double *state) {
-  at_.setPoint(time, state);
-  if (!at_.dynamics())
-    return Trial::Failed;
-  redundant_ = false;
-  at_.contactTerms(mask_.data());
-  if (text_ = negativeFriction(); !text_.empty())
-    return Trial::Failed;
+  redundant_ = indeterminate_ = false;
+  forced_ = -1;
   if (rows_.count() == 0) {
     writeMode(previousContacts_);
     return Trial::Consistent;
   }
+  at_.setPoint(time, state);
+  if (!at_.dynamics())
+    return Trial::Failed;
+  at_.contactTerms(mask_.data());
+  if (text_ = negativeFriction(); !text_.empty())
+    return Trial::Failed;
   rows_.assemble(at_, problem_.delassus, problem_);
   at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration_.data());
   rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
@@ -243,11 +260,11 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   writeMode(solution.mode);
   if (solution.degenerate.empty())
     return Trial::Consistent;
-  const ContactSolution undecided = solution;
+  undecided_ = solution;
   if (!dynamics_.start(mode_, time, state, rate_.data()))
     return Trial::Consistent;
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
-  writeMode(solver_.resolve(problem_, undecided, rates_, &previousContacts_).mode);
+  writeMode(solver_.resolve(problem_, undecided_, rates_, &previousContacts_).mode);
   return Trial::Consistent;
 }
 
@@ -258,7 +275,7 @@ void ModeSelection::holdRows(double time, const double *state) {
     return;
   const int normals = problem_.normalCount;
   for (int pass = 0; pass < problem_.tangentCount; ++pass) {
-    const Mode before = mode_;
+    const Mode &before = heldMode_ = mode_;
     for (int j = 0; j < problem_.tangentCount; ++j) {
       const int row = rows_.tangents()[j];
       const auto direction = static_cast<int>(mode_.tangent[row]);
@@ -287,11 +304,11 @@ bool ModeSelection::conditionsHold(double time, const double *state) {
     return true;
   const tf_model &model = at_.model();
   const int nx = at_.columns();
-  std::vector<std::uint8_t> mask(model.ns, 0);
+  surfaceMask_.assign(model.ns, 0);
   for (int j : surfaces_)
-    mask[j] = 1;
+    surfaceMask_[j] = 1;
   at_.setPoint(time, state);
-  at_.switchGradients(mask.data());
+  at_.switchGradients(surfaceMask_.data());
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const int j = surfaces_[s];
     const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * nx;
@@ -329,7 +346,6 @@ ModeSelection::Trial ModeSelection::tryAssignment(double time, const double *sta
     }
   }
   // The contact mode and sliding step variables depend on each other.
-  Mode found;
   for (int pass = 0; pass < 8; ++pass) {
     const Trial contacts = solveContacts(time, state);
     if (contacts != Trial::Consistent)
@@ -337,47 +353,50 @@ ModeSelection::Trial ModeSelection::tryAssignment(double time, const double *sta
     if (!dynamics_.start(mode_, time, state, rate_.data()))
       return sliding ? Trial::Inconsistent : Trial::Failed;
     holdRows(time, state);
-    if (!sliding || found == mode_)
+    if (!sliding || (pass > 0 && found_ == mode_))
       return conditionsHold(time, state) ? Trial::Consistent : Trial::Inconsistent;
-    found = mode_;
+    found_ = mode_;
   }
   return Trial::Inconsistent;
 }
 
-Selection ModeSelection::select(double time, const double *state, const Mode &previous, SwitchHint hint) {
-  Selection result;
+// Assignments in the order of preference, the first surface varying fastest.
+ModeSelection::Trial ModeSelection::tryAssignments(double time, const double *state) {
+  for (;;) {
+    for (std::size_t s = 0; s < surfaces_.size(); ++s)
+      mode_.switches[surfaces_[s]] = choices_[s].values[choices_[s].current];
+    const Trial trial = tryAssignment(time, state);
+    if (trial != Trial::Inconsistent)
+      return trial;
+    std::size_t s = 0;
+    while (s < choices_.size() && ++choices_[s].current == choices_[s].count)
+      choices_[s++].current = 0;
+    if (s == choices_.size())
+      return Trial::Inconsistent;
+  }
+}
+
+const Selection &ModeSelection::select(double time, const double *state, const Mode &previous, SwitchHint hint) {
+  Selection &result = selection_;
   const tf_model &model = at_.model();
+  result.text.clear();
   text_.clear();
   setStepVariables(time, state, previous, hint);
   at_.setPoint(time, state);
   at_.switching();
   if (std::string text = jump(state); !text.empty()) {
+    result.status = SelectionStatus::Failed;
     result.text = std::move(text);
     return result;
   }
-  const double velocityTolerance = this->velocityTolerance(state);
-  for (int i = 0; i < model.nc; ++i)
-    if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && at_.gapRate[i] < -velocityTolerance) {
-      result.status = SelectionStatus::Impact;
-      return result;
-    }
+  listTouching(state);
+  if (!approaching_.empty()) {
+    result.status = SelectionStatus::Impact;
+    return result;
+  }
   classifySwitches(previous, hint);
   chooseRows(time, state, previous);
-  // Assignments in the order of preference, the first surface varying fastest.
-  std::vector<std::size_t> choice(surfaces_.size(), 0);
-  Trial trial = Trial::Inconsistent;
-  for (;;) {
-    for (std::size_t s = 0; s < surfaces_.size(); ++s)
-      mode_.switches[surfaces_[s]] = choices_[s][choice[s]];
-    trial = tryAssignment(time, state);
-    if (trial != Trial::Inconsistent)
-      break;
-    std::size_t s = 0;
-    while (s < choice.size() && ++choice[s] == choices_[s].size())
-      choice[s++] = 0;
-    if (s == choice.size())
-      break;
-  }
+  const Trial trial = tryAssignments(time, state);
   result.mode = mode_;
   result.indeterminate = indeterminate_;
   result.contact = forced_;
@@ -387,12 +406,13 @@ Selection ModeSelection::select(double time, const double *state, const Mode &pr
     break;
   case Trial::FrictionalImpulse:
     result.status = SelectionStatus::FrictionalImpulse;
-    result.contact = forced_;
     break;
   case Trial::Inconsistent:
+    result.status = SelectionStatus::Failed;
     result.text = fmt::format("no consistent continuation of the switches at '{}'", model.switches[surfaces_.front()].text);
     break;
   case Trial::Failed:
+    result.status = SelectionStatus::Failed;
     result.text = text_;
     break;
   }

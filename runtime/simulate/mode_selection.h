@@ -5,6 +5,7 @@
 #include "runtime/contact/contact_solver.h"
 #include "runtime/integrate/mode_dynamics.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -41,8 +42,9 @@ class ModeSelection {
 public:
   ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances = {});
 
-  // The dynamics is started in the mode that is returned (status Selected), with its last evaluation at the state.
-  Selection select(double time, const double *state, const Mode &previous, SwitchHint hint = {});
+  // The dynamics is started in the mode that is returned (status Selected), with its last evaluation at the state. The reference is valid
+  // until the next call. The contacts at the state are in touching() and approaching() afterwards.
+  const Selection &select(double time, const double *state, const Mode &previous, SwitchHint hint = {});
 
   // Sets the step variables that do not slide to the sides on which the state is, with which gaps, slips and constraints are evaluated.
   void setStepVariables(double time, const double *state, const Mode &previous, SwitchHint hint = {});
@@ -50,8 +52,11 @@ public:
   // dy/dt of the selected mode at the state it was selected for.
   [[nodiscard]] const std::vector<double> &rate() const { return rate_; }
 
-  // Contacts with gap ≤ tolerance at the state; `approaching`: only those whose gap rate is below −tolerance.
-  [[nodiscard]] std::vector<int> touching(double time, const double *state, bool approaching);
+  // Finds touching() and approaching() at the state.
+  void findTouching(double time, const double *state);
+  // Contacts with gap ≤ tolerance; of these, those whose gap rate is below −tolerance.
+  [[nodiscard]] const std::vector<int> &touching() const { return touching_; }
+  [[nodiscard]] const std::vector<int> &approaching() const { return approaching_; }
   [[nodiscard]] double velocityTolerance(const double *state) const;
   [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
   [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }
@@ -60,7 +65,16 @@ public:
 
 private:
   enum class Trial : std::uint8_t { Consistent, Inconsistent, FrictionalImpulse, Failed };
+  // What a switch on its surface may be.
+  struct Choices {
+    std::array<Switch, 3> values = {};
+    int count = 0, current = 0;
 
+    void add(Switch value) { values[count++] = value; }
+  };
+
+  void listTouching(const double *state);
+  Trial tryAssignments(double time, const double *state);
   [[nodiscard]] Switch sideOf(int j, SwitchHint hint) const;
   [[nodiscard]] std::string jump(const double *state);
   [[nodiscard]] std::string negativeFriction() const;
@@ -82,12 +96,16 @@ private:
   ContactProblem problem_;
   ContactMode previousContacts_;
   ContactRates rates_;
-  Mode mode_;
-  std::vector<int> surfaces_;                    // switches on their surfaces
-  std::vector<std::vector<Switch>> choices_;     // of each, in order of preference
-  std::vector<int> contactOf_;                   // nt, see contactsOfTangents
-  std::vector<TangentRole> roles_;               // nt
-  std::vector<std::uint8_t> candidates_, mask_;  // nc; nc + nf
+  ContactSolution undecided_;
+  Selection selection_;
+  Mode mode_, found_, heldMode_;
+  std::vector<int> touching_, approaching_;
+  std::vector<int> contacts_, tangents_;                       // of the problem
+  std::vector<int> surfaces_;                                  // switches on their surfaces
+  std::vector<Choices> choices_;                               // of each, in order of preference
+  std::vector<int> contactOf_;                                 // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;                             // nt
+  std::vector<std::uint8_t> candidates_, mask_, surfaceMask_;  // nc; nc + nf; ns
   std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;
   bool redundant_ = false, indeterminate_ = false;  // of the contact problem solved last

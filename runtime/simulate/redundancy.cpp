@@ -63,19 +63,24 @@ std::string Redundancy::contradiction(double tolerance) {
   const tf_model &model = at_.model();
   const double accepted = std::max(1e-6, 10 * tolerance);
   at_.constraintResiduals();
-  std::vector<std::string> names;
   double worst = 0;
+  for (int row = 0; row < model.nh; ++row)
+    if (const double size = std::abs(at_.residual[static_cast<std::size_t>(row)]);
+        size > accepted * std::max(1.0, constraintOf(row).nominal))
+      worst = std::max(worst, size);
+  if (worst == 0)
+    return {};
+  // A contradiction is shared by its constraints.
+  constexpr double share = 0.1;
+  std::vector<std::string> names;
   for (int row = 0; row < model.nh; ++row) {
-    const double size = std::abs(at_.residual[static_cast<std::size_t>(row)]);
-    if (!(size > accepted * std::max(1.0, constraintOf(row).nominal)))
+    if (!(std::abs(at_.residual[static_cast<std::size_t>(row)]) > share * worst))
       continue;
-    worst = std::max(worst, size);
     names.push_back(fmt::format("{} {}", nameOf(row), sourceOf(constraintOf(row).location)));
   }
-  return names.empty()
-             ? std::string()
-             : fmt::format("constraint{} {} contradict{} what {} from: the largest residual is {:.6g}", names.size() > 1 ? "s" : "",
-                           listed(names), names.size() > 1 ? "" : "s", names.size() > 1 ? "they follow" : "it follows", worst);
+  const bool several = names.size() > 1;
+  return fmt::format("constraint{} {} contradict{} what {} from: the largest residual is {:.6g}", several ? "s" : "", listed(names),
+                     several ? "" : "s", several ? "they follow" : "it follows", worst);
 }
 
 }  // namespace tf::runtime

@@ -75,7 +75,8 @@ void RestPrediction::read(const double *numbers) {
 bool RestPrediction::recordImpact(double time, const double *before) {
   bouncesLow_ = false;
   bool slowed = false;
-  for (const int i : selection_.touching(time, before, true)) {
+  selection_.findTouching(time, before);
+  for (const int i : selection_.approaching()) {
     last_[i] = -at_.gapRate[i];
     fastest_[i] = std::max(fastest_[i], last_[i]);
     slowed = slowed || last_[i] <= early * fastest_[i];

@@ -15,7 +15,14 @@ Simulation::Implementation::Implementation(Simulation &owner, ModelInstance &ins
     : owner_(owner), model_(instance.model()), instance_(instance), inputs_(inputs), at_(model_, inputs), dynamics_(at_),
       selection_(dynamics_), impact_(at_), rest_(dynamics_, selection_), values_(dynamics_), failures_(dynamics_, instance),
       integrators_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_), before_(n_), impulse_(model_.nc),
-      beforeValues_(model_.variable_count), redundancy_(at_) {}
+      beforeValues_(model_.variable_count), detection_(dynamics_), redundancy_(at_), interpolated_(n_) {
+  for (Mode *mode : {&mode_, &previousMode_, &restingMode_}) {
+    mode->closed.reserve(model_.nc);
+    mode->tangent.reserve(model_.nt);
+    mode->switches.reserve(model_.ns);
+    mode->direction.reserve(model_.nt);
+  }
+}
 
 tf_status Simulation::Implementation::fail(std::string text) {
   error_ = std::move(text);
@@ -38,20 +45,20 @@ void Simulation::Implementation::startIntegrator() {
 
 void Simulation::Implementation::startCurrent() {
   SmoothIntegrator &integrator = integrators_.current();
-  detection_->setIntegrator(integrator);
-  detection_->restart(time_, 0.5 * selection_.velocityTolerance(state_.data()));
+  detection_.setIntegrator(integrator);
+  detection_.restart(time_, 0.5 * selection_.velocityTolerance(state_.data()));
   integrator.start(time_, state_.data(), rate_.data(), suggestedStep_);
-  detection_->watchStart();
+  detection_.watchStart();
 }
 
 // Another integrator goes on with the mode.
 bool Simulation::Implementation::takeOver(SmoothIntegrator &integrator, IntegratorReason reason) {
   integrators_.use(integrator, reason);
-  detection_->setIntegrator(integrator);
+  detection_.setIntegrator(integrator);
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return false;
   integrator.start(time_, state_.data(), rate_.data(), 0);
-  detection_->watchStart();
+  detection_.watchStart();
   return true;
 }
 
@@ -108,14 +115,14 @@ tf_status Simulation::Implementation::initialise(double startTime) {
     values_.setEnergyBalance(energy_.get());
   }
   dynamics_.setSlipAccuracy(0.05 * owner_.options.tolerance);
-  integrators_.make(owner_.options);
-  detection_ = std::make_unique<EventDetection>(dynamics_, integrators_.primary());
+  integrators_.prepare(owner_.options);
   return settleStart();
 }
 
 tf_status Simulation::Implementation::takeStarts() {
   parameters_.assign(instance_.parameters().begin(), instance_.parameters().end());
-  const Starts starts = instance_.starts(time_);
+  instance_.starts(time_, starts_);
+  const Starts &starts = starts_;
   std::copy(starts.q.begin(), starts.q.end(), state_.begin());
   std::copy(starts.v.begin(), starts.v.end(), state_.begin() + model_.nq);
   std::copy(starts.z.begin(), starts.z.end(), state_.begin() + model_.nq + model_.nv);
@@ -142,22 +149,25 @@ tf_status Simulation::Implementation::solveStart() {
     beforeSensitivities_.assign(owner_.options.sensitivities.size() * static_cast<std::size_t>(model_.variable_count),
                                 std::numeric_limits<double>::quiet_NaN());
   }
+  if (model_.nh == 0)
+    return TF_OK;
   ConstrainedStart constraints(at_);
   const std::vector<double> given = state_;
   if (std::string text = constraints.solve(time_, state_.data()); !text.empty())
     return fail(std::move(text));
   const auto solve = [&constraints](double time, double *state) { return constraints.solve(time, state).empty(); };
-  if (sensitivities_ && model_.nh > 0 && !sensitivities_->propagate(solve, time_, given.data()))
+  if (sensitivities_ && !sensitivities_->propagate(solve, time_, given.data()))
     return failSensitivities("the constraints' start");
   return TF_OK;
 }
 
 tf_status Simulation::Implementation::settleStart() {
-  std::vector<Transition> transitions;
+  std::vector<Transition> &transitions = beginTransitions();
   before_ = state_;
-  const bool impact = !selection_.touching(time_, state_.data(), true).empty();
+  selection_.findTouching(time_, state_.data());
+  const bool impact = !selection_.approaching().empty();
   // The values of the variables before an impact or a frictional impulse at the start time need a mode: all contacts open.
-  if (owner_.onEvent && !selection_.touching(time_, state_.data(), false).empty()) {
+  if (owner_.onEvent && !selection_.touching().empty()) {
     Mode open = mode_;
     open.switches.assign(model_.ns, Switch::Zero);
     dynamics_.start(open, time_, state_.data());
@@ -228,12 +238,12 @@ tf_status Simulation::Implementation::step(double limit) {
   integrators_.countStep(statistics_);
   SmoothIntegrator &integrator = integrators_.current();
   const double correction = dynamics_.project(integrator.end(), integrator.settings().scale.data());
-  if (correction > 1e-13 && !dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
+  if (correction > integrator.negligibleCorrection() && !dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
     return failEvaluation();
-  const DetectedEvent event = detection_->detect();
+  const DetectedEvent event = detection_.detect();
   if (event.guard >= 0)
     return handle(event, limit);
-  detection_->advance();
+  detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;
   dynamics_.renewDirections(time_, state_.data());

@@ -25,9 +25,8 @@ bool slipStops(const tf_model &model, const Mode &from, const Mode &to) {
 
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
-  const Mode previous = mode_;
   for (int pass = 0; pass < 50; ++pass) {
-    Selection selection = selection_.select(time_, state_.data(), mode_, hint);
+    const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
     switch (selection.status) {
     case SelectionStatus::Impact:
@@ -43,14 +42,15 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
         return failEvaluation();
       return failAt(selection.text);
     case SelectionStatus::Selected:
-      return enterMode(selection, previous, transitions);
+      return enterMode(selection, transitions);
     }
   }
   return failAt("no consistent continuation after the impact");
 }
 
-tf_status Simulation::Implementation::enterMode(Selection &selection, const Mode &previous, std::vector<Transition> &transitions) {
-  mode_ = std::move(selection.mode);
+tf_status Simulation::Implementation::enterMode(const Selection &selection, std::vector<Transition> &transitions) {
+  std::swap(previousMode_, mode_);
+  mode_ = selection.mode;
   modeValid_ = true;
   std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
   // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
@@ -59,21 +59,26 @@ tf_status Simulation::Implementation::enterMode(Selection &selection, const Mode
     return failEvaluation();
   if (selection.indeterminate)
     transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
-  compareModes(model_, previous, mode_, transitions);
-  if (sensitivities_ && slipStops(model_, previous, mode_)) {
+  compareModes(model_, previousMode_, mode_, transitions);
+  if (sensitivities_ && slipStops(model_, previousMode_, mode_)) {
     const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
     if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failSensitivities("the end of a slip");
   }
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());
+  if (std::isinf(suggestedStep_) && !(mode_ == previousMode_))
+    suggestedStep_ = 0;
   startIntegrator();
   return TF_OK;
 }
 
+// Without a forced contact the selection's lists of contacts are those at the state.
 tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
-  const std::vector<int> contacts = selection_.touching(time_, state_.data(), false);
-  const std::vector<int> approaching = selection_.touching(time_, state_.data(), true);
+  if (forced >= 0)
+    selection_.findTouching(time_, state_.data());
+  const std::vector<int> &contacts = frozenContacts_ = selection_.touching();
+  const std::vector<int> &approaching = frozenApproaching_ = selection_.approaching();
   // Impacts that the tolerance of velocities does not see have no restitution: where bounces accumulate in a way that cannot be summed
   // (slips of two components that turn with each of them), they end here.
   const double slow = stopTolerance();
@@ -86,9 +91,8 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   }
   impact_.setElastic(forced >= 0 || std::any_of(approaching.begin(), approaching.end(), [&](int i) { return at_.gapRate[i] < -slow; }));
   closeTogether(contacts);
-  std::vector<double> incoming;
   if (energy_)
-    incoming = state_;
+    incoming_ = state_;
   if (sensitivities_) {
     std::vector<double> ignored(model_.nc);
     const auto impact = [&](double time, double *state) { return impact_.apply(time, state, contacts, starters, ignored.data()); };
@@ -100,7 +104,7 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   if (impact_.starter() >= 0)
     transitions.push_back({TF_EVENT_PAINLEVE, impact_.starter()});
   if (energy_)
-    energy_->addImpact(time_, incoming.data(), state_.data(), impact_.boundaryWork());
+    energy_->addImpact(time_, incoming_.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
   if (!impact_.isElastic())
@@ -154,7 +158,8 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
 tf_status Simulation::Implementation::stopTogether(const std::vector<int> &contacts, double slow) {
   if (std::none_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); }))
     return TF_OK;
-  Mode resting = mode_;
+  Mode &resting = restingMode_;
+  resting = mode_;
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   for (const int i : contacts) {
@@ -174,7 +179,10 @@ tf_status Simulation::Implementation::stopTogether(const std::vector<int> &conta
   const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
   std::vector<double> stopped = state_;
   // Of redundant contacts some may have to open: where they cannot stop together, one of them would be pressed in.
-  if (!stop(time_, stopped.data()) || !selection_.touching(time_, stopped.data(), true).empty())
+  if (!stop(time_, stopped.data()))
+    return TF_OK;
+  selection_.findTouching(time_, stopped.data());
+  if (!selection_.approaching().empty())
     return TF_OK;
   if (sensitivities_ && !sensitivities_->propagate(stop, time_, state_.data()))
     return failSensitivities("the impact");
@@ -184,6 +192,11 @@ tf_status Simulation::Implementation::stopTogether(const std::vector<int> &conta
 
 tf_status Simulation::Implementation::failWithoutProgress() {
   return failAt(fmt::format("no consistent continuation: {} events since t = {:.10g}, the last", progress_.count, progress_.since));
+}
+
+std::vector<Transition> &Simulation::Implementation::beginTransitions() {
+  transitions_.clear();
+  return transitions_;
 }
 
 // Remembers the point before an event; the state is the one just before it.
@@ -214,7 +227,10 @@ tf_status Simulation::Implementation::timeEvent() {
   if (energy_)
     energy_->addJump(energy_->energyAt(time_, state_.data()).potential - potential);
   rest_.restart();
-  std::vector<Transition> transitions = {{TF_EVENT_TIME, -1}};
+  if (std::isinf(suggestedStep_))
+    suggestedStep_ = 0;
+  std::vector<Transition> &transitions = beginTransitions();
+  transitions.push_back({TF_EVENT_TIME, -1});
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
   report(transitions);
@@ -227,12 +243,12 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   bool stops = dynamics_.guards()[event.guard].kind == GuardKind::SlipAlong;
   if (stops && !locateStop(event))
     return followTurn(event);
-  if (!stops && !detection_->locate(event))
+  if (!stops && !detection_.locate(event))
     return approach(event);
-  for (int k = 0; k < model_.nc && detection_->findEarlier(event); ++k) {
+  for (int k = 0; k < model_.nc && detection_.findEarlier(event); ++k) {
     stops = false;
     dynamics_.holdDirections(0);
-    if (!detection_->locate(event))
+    if (!detection_.locate(event))
       return approach(event);
   }
   const Guard guard = dynamics_.guards()[event.guard];
@@ -268,11 +284,13 @@ tf_status Simulation::Implementation::differentiateEvent(int guard) {
     return TF_OK;
   const std::vector<Guard> &all = dynamics_.guards();
   std::vector<int> guards = {guard};
-  if (all[guard].kind == GuardKind::Gap)
-    for (const int i : selection_.touching(time_, state_.data(), true))
+  if (all[guard].kind == GuardKind::Gap) {
+    selection_.findTouching(time_, state_.data());
+    for (const int i : selection_.approaching())
       for (int k = 0; k < static_cast<int>(all.size()); ++k)
         if (k != guard && all[k].kind == GuardKind::Gap && all[k].index == i)
           guards.push_back(k);
+  }
   switch (sensitivities_->beginEvent(time_, state_.data(), rate_.data(), guards)) {
   case EventDerivative::Exists:
     return TF_OK;
@@ -296,7 +314,7 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
   else if (guard.kind == GuardKind::Condition)
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
-  std::vector<Transition> transitions;
+  std::vector<Transition> &transitions = beginTransitions();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
   if (stopped >= 0 && mode_.tangent[stopped] == Tangent::SlipPositive)
@@ -337,10 +355,11 @@ bool Simulation::Implementation::penetrates(const Mode &mode) {
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   const double lastImpact = time_;
-  const std::vector<double> afterImpact = state_;
+  afterImpact_ = state_;
   time_ = point.time;
   state_ = point.state;
-  Mode resting = mode_;
+  Mode &resting = restingMode_;
+  resting = mode_;
   for (const int i : point.contacts)
     resting.closed[i] = 1;
   // A contact may stick on the way and open at the point.
@@ -352,7 +371,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   // The point is known to the tolerance: there another contact may be open that the projection closes. Then bounces are followed on.
   if (penetrates(resting)) {
     time_ = lastImpact;
-    state_ = afterImpact;
+    state_ = afterImpact_;
     if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))
       return failEvaluation();
     startIntegrator();
@@ -373,12 +392,11 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
       return failSensitivities("infinitely many impacts");
   }
   if (energy_)
-    energy_->addImpacts(lastImpact, afterImpact.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
+    energy_->addImpacts(lastImpact, afterImpact_.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
   if (!dynamics_.start(mode_, time_, state_.data()))
     return failEvaluation();
   beginEvent();
-  std::vector<Transition> transitions;
-  transitions.reserve(point.contacts.size());
+  std::vector<Transition> &transitions = beginTransitions();
   for (const int i : point.contacts)
     transitions.push_back({TF_EVENT_REST, i});
   if (const tf_status status = settle(transitions); status != TF_OK)
@@ -396,7 +414,7 @@ tf_status Simulation::Implementation::jam(int contact) {
   if (!progress_.add(time_))
     return failWithoutProgress();
   beginEvent();
-  std::vector<Transition> transitions;
+  std::vector<Transition> &transitions = beginTransitions();
   if (const tf_status status = freeze(transitions, contact); status != TF_OK)
     return status;
   if (const tf_status status = settle(transitions); status != TF_OK)
@@ -420,7 +438,7 @@ double Simulation::Implementation::stopTolerance() {
 bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();
   const double allowed = stopTolerance();
-  std::vector<double> state(n_);
+  std::vector<double> &state = interpolated_;
   integrator.interpolate(event.time, state.data());
   at_.setPoint(event.time, state.data());
   at_.switching(ModelEvaluation::Slips);
@@ -430,7 +448,7 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
     return false;
   // Slips of one body end together: none of them has a direction there.
   dynamics_.holdDirections(slow);
-  if (detection_->locate(event)) {
+  if (detection_.locate(event)) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
     if (dynamics_.slipSpeed(event.guard) <= most)

@@ -52,7 +52,7 @@ public:
   std::vector<double> state_, rate_, before_;  // q, v, z, tau; its rate; state before the event that is being handled
   std::vector<double> impulse_;
   std::vector<double> beforeValues_, beforeSensitivities_;
-  Mode mode_;
+  Mode mode_, previousMode_;
   bool modeValid_ = false;
   double suggestedStep_ = 0;
   std::uint64_t inputRevision_ = 0;
@@ -60,11 +60,17 @@ public:
   std::string error_;
   tf_statistics statistics_ = {};
   std::vector<double> parameters_;
-  std::unique_ptr<EventDetection> detection_;
+  Starts starts_;
+  EventDetection detection_;
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
   Invariants invariants_;
   std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
   Redundancy redundancy_;
+  // workspaces
+  std::vector<Transition> transitions_;
+  std::vector<int> frozenContacts_, frozenApproaching_;
+  Mode restingMode_;
+  std::vector<double> incoming_, afterImpact_, interpolated_;
 
 private:
   // What continuation depends on and the parts of the simulation own.
@@ -98,13 +104,14 @@ private:
 
   // simulation_events.cpp
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
-  tf_status enterMode(Selection &selection, const Mode &previous, std::vector<Transition> &transitions);
+  tf_status enterMode(const Selection &selection, std::vector<Transition> &transitions);
   tf_status freeze(std::vector<Transition> &transitions, int forced);
   double projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
   tf_status stopTogether(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
   tf_status differentiateEvent(int guard);
+  std::vector<Transition> &beginTransitions();
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
   double stopTolerance();

@@ -1,0 +1,192 @@
+// The end of a step is moved to the zero of a guard.
+#include "runtime/simulate/event_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+// The step's length h is an unknown together with the state: Newton's method on guard(y(t0 + h)) = 0 with the element solved anew for each
+// h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
+bool EventDetection::locate(DetectedEvent &event) {
+  if (integrator_->isExactInside() && moveInside(event))
+    return true;
+  const int guard = event.guard;
+  const double zero = level(guard);
+  const double begin = integrator_->beginTime();
+  double low = begin, high = std::max(event.high, event.time);
+  double x = event.time, slope = event.slope;
+  for (int k = 0; k < 60; ++k) {
+    if (!integrator_->shorten(x))
+      return false;
+    // The guard is zero where the event's state will be: on the closed contacts.
+    dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+    const double value = guardHere(guard, x) - zero;
+    (value >= 0 ? low : high) = x;
+    if (dynamics_.guards()[guard].kind == GuardKind::Gap)
+      slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
+    const double correction = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
+    if (std::abs(correction) <= integrator_->reach() * (x - begin) && extend(guard, zero, value, slope, x, event))
+      return true;
+    if (std::abs(correction) <= 1e-5 * (x - begin))
+      return nudge(guard, zero, value, slope, x, event);
+    double next = x + correction;
+    if (!(next > low && next < high)) {
+      // The element's own zero may lie a little beyond the bracket that the interpolant gave.
+      if (value >= 0 && x >= high - 1e-12 * (high - begin) && k < 4) {
+        high = x + 0.1 * (x - begin);
+        next = std::min(next, high);
+      } else {
+        next = 0.5 * (low + high);
+      }
+    }
+    if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
+      event.time = x;
+      return true;
+    }
+    x = next;
+  }
+  event.time = x;
+  return true;
+}
+
+bool EventDetection::findEarlier(DetectedEvent &event) {
+  constexpr double visible = 1e-10;  // relative to the gap's scale
+  const std::size_t count = dynamics_.guards().size();
+  bool hasOther = false;
+  for (std::size_t k = 0; k < count && !hasOther; ++k)
+    hasOther = dynamics_.guards()[k].kind == GuardKind::Gap && static_cast<int>(k) != event.guard;
+  if (!hasOther)
+    return false;
+  DetectedEvent earlier;
+  const double begin = integrator_->beginTime();
+  readGuards(event.time, end_);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Guard &guard = dynamics_.guards()[k];
+    const int number = static_cast<int>(k);
+    if (guard.kind != GuardKind::Gap || number == event.guard)
+      continue;
+    const double rate = end_.rate[k], value = end_.value[k] - level(number);
+    if (value >= -visible * guard.scale)
+      continue;
+    double time = rate < 0 ? event.time - value / rate : begin;
+    if (!(time > begin))
+      time = 0.5 * (begin + event.time);
+    if (earlier.guard < 0 || time < earlier.time)
+      earlier = {number, time, begin, event.time, rate};
+  }
+  if (earlier.guard < 0)
+    return false;
+  event = earlier;
+  return true;
+}
+
+// Where the interpolant is exact, its zero is the event: Newton's method on it. False: it leaves the bracket.
+bool EventDetection::moveInside(DetectedEvent &event) {
+  const double zero = level(event.guard), begin = integrator_->beginTime();
+  const double resolution = 4 * std::numeric_limits<double>::epsilon() * std::max(std::abs(event.time), event.time - begin);
+  const Guard &g = dynamics_.guards()[event.guard];
+  double x = event.time, slope = event.slope, previous = x, previousValue = 0;
+  for (int k = 0; k < 12; ++k) {
+    const double value = guardInside(event.guard, x) - zero;
+    if (g.kind == GuardKind::Gap)
+      slope = dynamics_.model().gapRate[g.index];
+    else if (k > 0 && value != previousValue && std::abs(x - previous) > 8 * resolution)
+      slope = (value - previousValue) / (x - previous);
+    if (!(slope < 0))
+      return false;
+    const double step = -value / slope;
+    previous = x;
+    previousValue = value;
+    if (std::abs(step) <= resolution || (g.kind == GuardKind::Force && std::abs(value) <= 1e-13 * g.scale)) {
+      event.time = x;
+      std::copy(state_.begin(), state_.end(), integrator_->end());
+      integrator_->moveEnd(x);
+      return dynamics_.evaluate(x, integrator_->end(), integrator_->endRate());
+    }
+    x += step;
+    if (!(x > begin && x <= event.high))
+      return false;
+  }
+  return false;
+}
+
+// From the element's end at `base`, projected, along the interpolant to the zero nearby; the rate at the end stays that at `base`. False:
+// no zero within the interpolant's reach.
+bool EventDetection::extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event) {
+  const double farthest = integrator_->reach() * (base - integrator_->beginTime());
+  const double resolution = 0.5 * std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
+  const int n = dynamics_.size();
+  double x = base;
+  integrator_->interpolate(base, state_.data());
+  nudgeBase_.resize(n);
+  for (int i = 0; i < n; ++i)
+    nudgeBase_[i] = integrator_->end()[i] - state_[i];
+  const bool isGap = dynamics_.guards()[guard].kind == GuardKind::Gap;
+  // Forces cost an evaluation: they need not be smaller than what the choice of the next mode takes for zero.
+  const double small = dynamics_.guards()[guard].kind == GuardKind::Force ? 1e-13 * dynamics_.guards()[guard].scale : 0;
+  for (int k = 0; k < 8 && !(std::abs(value) <= small && small > 0); ++k) {
+    const double next = x - value / slope;
+    if (!(std::abs(next - base) <= farthest))
+      return false;
+    if (std::abs(next - x) <= resolution)
+      break;
+    const double before = value, step = next - x;
+    x = next;
+    integrator_->interpolate(x, state_.data());
+    for (int i = 0; i < n; ++i)
+      state_[i] += nudgeBase_[i];
+    value = guardAt(guard, x, state_.data()) - zero;
+    if (isGap)
+      slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
+    else if (value != before && std::abs(step) > 8 * resolution)
+      slope = (value - before) / step;
+    if (!(slope < 0))
+      return false;
+  }
+  if (x != base) {
+    std::copy(state_.begin(), state_.end(), integrator_->end());
+    integrator_->moveEnd(x);
+  }
+  event.time = x;
+  return true;
+}
+
+// From the element's end at `base`, where the dynamics has been evaluated, to the zero nearby.
+bool EventDetection::nudge(int guard, double zero, double value, double slope, double base, DetectedEvent &event) {
+  const int n = dynamics_.size();
+  nudgeBase_.assign(integrator_->end(), integrator_->end() + n);
+  nudgeRate_.assign(integrator_->endRate(), integrator_->endRate() + n);
+  double x = base, previous = base, previousValue = value;
+  const double length = base - integrator_->beginTime(), farthest = 1e-4 * length;
+  const double resolution = std::numeric_limits<double>::epsilon() * std::max(std::abs(base), length);
+  for (int k = 0; k < 8 && value != 0; ++k) {
+    const double step = -value / slope;
+    previous = x;
+    previousValue = value;
+    // A guard that is not smooth here may send the zero anywhere.
+    if (std::abs(step) <= 0.5 * resolution || !(std::abs(x + step - base) <= farthest))
+      break;
+    x += step;
+    const double h = x - base;
+    for (int i = 0; i < n; ++i)
+      state_[i] = nudgeBase_[i] + h * nudgeRate_[i];
+    if (!dynamics_.evaluate(x, state_.data(), integrator_->endRate()))
+      return false;
+    for (int i = 0; i < n; ++i)
+      integrator_->end()[i] = nudgeBase_[i] + 0.5 * h * (nudgeRate_[i] + integrator_->endRate()[i]);
+    value = guardAt(guard, x, integrator_->end()) - zero;
+    if (std::isnan(value))
+      return false;
+    if (x != previous && value != previousValue && std::abs(x - previous) > 4 * resolution)
+      slope = (value - previousValue) / (x - previous);
+    if (!(slope < 0))
+      break;
+  }
+  event.time = x;
+  integrator_->moveEnd(x);
+  return dynamics_.evaluate(x, integrator_->end(), integrator_->endRate());
+}
+
+}  // namespace tf::runtime
