@@ -33,19 +33,19 @@ bool AdmissibleImpulse::leavesCones(const FrozenProblem &problem, const std::vec
 
 void AdmissibleImpulse::chooseRows(const FrozenProblem &problem, const std::vector<double> &velocity, const std::vector<double> &impulse) {
   const int n = problem.normalCount;
-  std::vector<std::uint8_t> changes(static_cast<std::size_t>(n), 0);
+  changes_.assign(static_cast<std::size_t>(n), 0);
   for (int i = 0; i < n; ++i)
-    changes[i] = impulse[i] > allowed_;
+    changes_[i] = impulse[i] > allowed_;
   for (int j = 0; j < problem.tangentCount; ++j)
     if (std::abs(velocity[n + j]) > problem.resolution)
-      changes[problem.owner[j]] = 0;
+      changes_[problem.owner[j]] = 0;
   rows_.clear();
   for (int i = 0; i < n; ++i)
-    if (changes[i])
+    if (changes_[i])
       rows_.push_back(i);
   frictions_.clear();
   for (int j = 0; j < problem.tangentCount; ++j) {
-    if (!changes[problem.owner[j]])
+    if (!changes_[problem.owner[j]])
       continue;
     rows_.push_back(n + j);
     if (const int partner = problem.partner[j]; partner < 0 || partner > j)

@@ -49,15 +49,15 @@ void ModeSelection::setStepVariables(double time, const double *state, const Mod
   const tf_model &model = at_.model();
   if (model.ns == 0)
     return;
-  std::vector<std::uint8_t> ofTime(model.ns);
+  ofTime_.resize(model.ns);
   for (int j = 0; j < model.ns; ++j)
-    ofTime[j] = model.switches[j].kind == TF_SWITCH_TIME;
+    ofTime_[j] = model.switches[j].kind == TF_SWITCH_TIME;
   at_.setPoint(time, state);
   bool changes = true;
   for (int pass = 0; pass <= model.ns && changes; ++pass) {
     changes = false;
     at_.switching(ModelEvaluation::Conditions);
-    at_.switchGradients(ofTime.data());
+    at_.switchGradients(ofTime_.data());
     for (int j = 0; j < model.ns; ++j) {
       const bool slides = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
       if (slides && hint.index != j)

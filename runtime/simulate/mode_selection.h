@@ -100,12 +100,12 @@ private:
   Selection selection_;
   Mode mode_, found_, heldMode_;
   std::vector<int> touching_, approaching_;
-  std::vector<int> contacts_, tangents_;                       // of the problem
-  std::vector<int> surfaces_;                                  // switches on their surfaces
-  std::vector<Choices> choices_;                               // of each, in order of preference
-  std::vector<int> contactOf_;                                 // nt, see contactsOfTangents
-  std::vector<TangentRole> roles_;                             // nt
-  std::vector<std::uint8_t> candidates_, mask_, surfaceMask_;  // nc; nc + nf; ns
+  std::vector<int> contacts_, tangents_;                                // of the problem
+  std::vector<int> surfaces_;                                           // switches on their surfaces
+  std::vector<Choices> choices_;                                        // of each, in order of preference
+  std::vector<int> contactOf_;                                          // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;                                      // nt
+  std::vector<std::uint8_t> candidates_, mask_, surfaceMask_, ofTime_;  // nc; nc + nf; ns; ns
   std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;
   bool redundant_ = false, indeterminate_ = false;  // of the contact problem solved last
