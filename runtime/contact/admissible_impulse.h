@@ -27,7 +27,7 @@ private:
   [[nodiscard]] bool leavesCones(const FrozenProblem &problem, const std::vector<double> &impulse) const;
   void chooseRows(const FrozenProblem &problem, const std::vector<double> &velocity, const std::vector<double> &impulse);
 
-  double allowed_ = 0;     // impulses below are rounding
+  double allowed_ = 0;  // impulses below are rounding
   std::vector<std::uint8_t> changes_;
   std::vector<int> rows_;  // that may change, ascending
   std::vector<Friction> frictions_;

@@ -66,7 +66,7 @@ double ElementIntegrator::initialStep(double limit) {
     trial_[i] = begin_[i] + h * beginRate_[i];
   if (!dynamics_.evaluate(beginTime_ + h, trial_.data(), trialRate_.data()))
     return std::min(h, 1e-6 * span);
-  bool same = true;
+  bool same = !dynamics_.hasTurningSlips();
   for (int i = 0; i < n_; ++i) {
     const double change = std::abs(trialRate_[i] - beginRate_[i]);
     d2 = std::max(d2, change / scale_[i] / h);

@@ -20,12 +20,14 @@ public:
   // The interpolant's second derivative is off by its error times a few tens: at 1e-3 of a step beyond the end the state is off by some
   // 1e-5 of the interpolant's error, which is of the order of the tolerance.
   [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-3; }
-  [[nodiscard]] bool isExactInside() const override { return settings_.fixedStep <= 0 && error_ <= negligible; }
+  [[nodiscard]] bool isExactInside() const override {
+    return settings_.fixedStep <= 0 && error_ <= negligible && !dynamics_.hasTurningSlips();
+  }
   [[nodiscard]] bool samplesInside() const override { return method_->interiorStages() >= 2; }
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
   // None where the error of the step does not tell; infinity where there was none, so that any step will do while the accelerations stay.
   [[nodiscard]] double suggestedStep() const override {
-    return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 ? next_ : 0;
+    return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 || dynamics_.hasTurningSlips() ? next_ : 0;
   }
   // The rate of a state so near is as good for the next step, but where friction turns with the slip, faster and faster as that ends.
   [[nodiscard]] double negligibleCorrection() const override {

@@ -124,8 +124,8 @@ public:
   void holdDirections(double slow) { slips_.hold(slow); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
   [[nodiscard]] int slipRow(int guard) const { return slips_.modelRow(guards_[guard].index); }
-  // The model has slips of two components, whose friction may turn.
-  [[nodiscard]] bool hasTurningSlips() const { return std::find(isPaired_.begin(), isPaired_.end(), 1) != isPaired_.end(); }
+  // Slips of two components, whose friction turns, the faster the slower they are.
+  [[nodiscard]] bool hasTurningSlips() const { return !slips_.empty(); }
   [[nodiscard]] bool launches() const { return slips_.launches(); }
   [[nodiscard]] bool hasLaunched() const { return slips_.haveLaunched(); }
   // A relaxed slip stays on the edge of its disk, where it turns within slipRadius/acceleration: stiff for any integrator that is not.
