@@ -22,6 +22,7 @@ public:
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double stabilityRatio() const override;
   [[nodiscard]] double errorOrder() const override { return 8; }
+  [[nodiscard]] int interiorStages() const override { return 10; }
 
 private:
   static constexpr std::size_t stageCount = 12, extraCount = 3, coefficientCount = 7;
