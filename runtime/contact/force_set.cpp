@@ -79,7 +79,7 @@ bool ForceSet::solveRegular(const ContactProblem &problem) {
     return false;
   equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
   factor_.solve(unknown_.data());
-  equations_.expand(rows_, unknown_.data(), forces_.data(), accelerations_.data());
+  equations_.expandForces(rows_, unknown_.data(), forces_.data());
   for (const double f : forces_)
     if (!std::isfinite(f))
       return false;
@@ -94,8 +94,7 @@ void ForceSet::forceRates(const ContactProblem &problem, const double *accelerat
   rates.offset = limitRate;
   equations_.rightHandSide(rates, fixed_.data(), unknown_.data());
   factor_.solve(unknown_.data());
-  ignored_.resize(forces_.size());
-  equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
+  equations_.expandForces(rates, unknown_.data(), forceRate);
 }
 
 // The same with the active limits kept: slack 0 = friction x_n + offset − side x_t has the derivative 0 too.
@@ -106,7 +105,6 @@ void ForceSet::leastNormRates(const ContactProblem &problem, const double *accel
   rates.bias = accelerationRate;
   rates.offset = limitRate;
   equations_.rightHandSide(rates, fixed_.data(), unknown_.data());
-  ignored_.resize(forces_.size());
   if (conic_) {
     Eigen::VectorXd point;
     for (int r = 0; r < k; ++r)
@@ -114,7 +112,7 @@ void ForceSet::leastNormRates(const ContactProblem &problem, const double *accel
     cone_.solve(Eigen::Map<const Eigen::VectorXd>(unknown_.data(), k), point);
     for (int c = 0; c < k; ++c)
       unknown_[c] = point[c] / weight_[c];
-    equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
+    equations_.expandForces(rates, unknown_.data(), forceRate);
     return;
   }
   boundRate_.resize(length_.size());
@@ -125,13 +123,12 @@ void ForceSet::leastNormRates(const ContactProblem &problem, const double *accel
   polyhedron_.pointOf(boundRate_.data(), unknown_.data());
   for (int c = 0; c < k; ++c)
     unknown_[c] /= weight_[c];
-  equations_.expand(rates, unknown_.data(), forceRate, ignored_.data());
+  equations_.expandForces(rates, unknown_.data(), forceRate);
 }
 
-// Equations k: A_k x = rhs_k in y = weight·x. ‖λ‖² = Σ weight² x² + constant: a normal force takes its friction along.
+// A x = rhs in y = weight·x. ‖λ‖² = Σ weight² x² + constant: a normal force takes its friction along.
 void ForceSet::weighEquations() {
   const int k = activeCount();
-  equations_.assemble(rows_, matrix_);
   equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
   weight_.assign(k, 1.0);
   for (int j = 0; j < rows_.tangentCount; ++j) {
@@ -143,74 +140,73 @@ void ForceSet::weighEquations() {
   }
   for (double &w : weight_)
     w = std::sqrt(w);
-  for (int c = 0; c < k; ++c)
-    for (int r = 0; r < k; ++r)
-      matrix_(r, c) /= weight_[c];
 }
 
 // Divided by the length of the row.
-void ForceSet::loadEquations(LeastNorm &polyhedron) {
-  const int k = activeCount(), n = rows_.normalCount;
-  weighEquations();
-  forceScale_ = 0;
-  for (int r = 0; r < k; ++r) {
-    double squares = 0;
-    for (int c = 0; c < k; ++c)
-      squares += matrix_(r, c) * matrix_(r, c);
-    const double length = squares > 0 ? std::sqrt(squares) : 1.0;
-    double *normal = polyhedron.normal(r);
-    for (int c = 0; c < k; ++c)
-      normal[c] = matrix_(r, c) / length;
-    polyhedron.bound(r) = unknown_[r] / length;
-    length_[r] = length;
-    forceScale_ = std::max(forceScale_, std::abs(polyhedron.bound(r)));
+void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
+  const int k = activeCount();
+  double *normal = polyhedron.normal(r);
+  equations_.assembleRow(rows_, r, normal);
+  double squares = 0;
+  for (int c = 0; c < k; ++c) {
+    normal[c] /= weight_[c];
+    squares += normal[c] * normal[c];
   }
+  length_[r] = squares > 0 ? std::sqrt(squares) : 1.0;
+  for (int c = 0; c < k; ++c)
+    normal[c] /= length_[r];
+  polyhedron.bound(r) = unknown_[r] / length_[r];
+}
+
+void ForceSet::loadLimit(LeastNorm &polyhedron, int l) {
+  const int k = activeCount(), n = rows_.normalCount;
+  double *normal = polyhedron.normal(k + l);
+  std::fill_n(normal, k, 0.0);
+  const ForceLimit &side = limits_[l];
+  const int own = equations_.position(side.row);
+  double bound = 0, length = 1 / weight_[own];
+  if (side.side == 0) {
+    normal[own] = length;
+  } else {
+    const int j = side.row - n, owner = rows_.owner[j];
+    normal[own] = -side.side / weight_[own];
+    if (owner >= 0) {
+      const int position = equations_.position(owner);
+      normal[position] = rows_.friction[j] / weight_[position];
+      length = std::hypot(length, normal[position]);
+    } else {
+      bound = -offset_[j];
+    }
+  }
+  for (int c = 0; c < k; ++c)
+    normal[c] /= length;
+  polyhedron.bound(k + l) = bound / length;
+  length_[k + l] = length;
+}
+
+void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
+  const int k = activeCount(), limits = static_cast<int>(limits_.size());
+  polyhedron.resize(k, k, limits);
+  length_.resize(k + limits_.size());
+  weighEquations();
+  for (int r = 0; r < k; ++r)
+    loadEquation(polyhedron, r);
+  for (int l = 0; l < limits; ++l)
+    loadLimit(polyhedron, l);
+  forceScale_ = 0;
+  for (int r = 0; r < k; ++r)
+    forceScale_ = std::max(forceScale_, std::abs(polyhedron.bound(r)));
   for (int j = 0; j < rows_.tangentCount; ++j)
-    if (equations_.position(n + j) >= 0)
+    if (equations_.position(rows_.normalCount + j) >= 0)
       forceScale_ = std::max(forceScale_, rows_.offset[j]);
   if (!(forceScale_ > 0))
     forceScale_ = 1;
 }
 
-void ForceSet::loadLimits(LeastNorm &polyhedron) {
-  const int k = activeCount(), n = rows_.normalCount;
-  for (std::size_t l = 0; l < limits_.size(); ++l) {
-    const ForceLimit &side = limits_[l];
-    double *normal = polyhedron.normal(k + static_cast<int>(l));
-    std::fill_n(normal, k, 0.0);
-    const int own = equations_.position(side.row);
-    double bound = 0, length = 1 / weight_[own];
-    if (side.side == 0) {
-      normal[own] = length;
-    } else {
-      const int j = side.row - n, owner = rows_.owner[j];
-      normal[own] = -side.side / weight_[own];
-      if (owner >= 0) {
-        const int position = equations_.position(owner);
-        normal[position] = rows_.friction[j] / weight_[position];
-        length = std::hypot(length, normal[position]);
-      } else {
-        bound = -offset_[j];
-      }
-    }
-    for (int c = 0; c < k; ++c)
-      normal[c] /= length;
-    polyhedron.bound(k + static_cast<int>(l)) = bound / length;
-    length_[k + l] = length;
-  }
-}
-
-void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
-  polyhedron.resize(activeCount(), activeCount(), static_cast<int>(limits_.size()));
-  length_.resize(activeCount() + limits_.size());
-  loadEquations(polyhedron);
-  loadLimits(polyhedron);
-}
-
 void ForceSet::expandPoint(const double *point) {
   for (int k = 0; k < activeCount(); ++k)
     unknown_[k] = point[k] / weight_[k];
-  equations_.expand(rows_, unknown_.data(), forces_.data(), accelerations_.data());
+  equations_.expandForces(rows_, unknown_.data(), forces_.data());
 }
 
 LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double tolerance) {
@@ -237,11 +233,12 @@ void ForceSet::loadConic() {
   const int k = activeCount();
   hasInnermost_ = false;
   weighEquations();
+  equations_.assemble(rows_, matrix_);
   cone_.resize(k, static_cast<int>(limits_.size()));
   length_.resize(k);
   for (int r = 0; r < k; ++r) {
     for (int c = 0; c < k; ++c)
-      cone_.matrix()(r, c) = matrix_(r, c);
+      cone_.matrix()(r, c) = matrix_(r, c) / weight_[c];
     cone_.rhs()[r] = unknown_[r];
     length_[r] = cone_.matrix().row(r).norm() > 0 ? cone_.matrix().row(r).norm() : 1.0;
   }
@@ -320,11 +317,41 @@ bool ForceSet::solveActive(const ContactProblem &problem) {
       followConic();
     return true;
   }
-  loadPolyhedron(polyhedron_);
+  loadActive();
   const bool independent = polyhedron_.solveActive();
   if (independent)
     expandPoint(polyhedron_.point().data());
   return independent;
+}
+
+// What the active constraints need only; their number and order are those of the last loadPolyhedron.
+void ForceSet::loadActive() {
+  const int k = activeCount();
+  weighEquations();
+  for (const int constraint : polyhedron_.active())
+    if (constraint < k)
+      loadEquation(polyhedron_, constraint);
+    else
+      loadLimit(polyhedron_, constraint - k);
+}
+
+double ForceSet::contradiction() {
+  const std::vector<int> &active = polyhedron_.active();
+  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
+  for (int r = 0; r < activeCount(); ++r)
+    if (std::find(active.begin(), active.end(), r) == active.end())
+      loadEquation(polyhedron_, r);
+  return polyhedron_.contradiction() / forceScale_;
+}
+
+LeastNorm::Status ForceSet::activate(int k) {
+  loadLimit(polyhedron_, k);
+  return polyhedron_.activate(activeCount() + k);
+}
+
+const std::vector<double> &ForceSet::accelerations() {
+  equations_.accelerations(rows_, forces_.data(), accelerations_.data());
+  return accelerations_;
 }
 
 // Projects a point far along the limit's normal onto the set: far enough, that is where the limit's slack is largest.

@@ -53,25 +53,26 @@ public:
 
   // How far rows of a polyhedron that depended on others when it was chosen contradict them now, relative to the force scale.
   [[nodiscard]] bool mayContradict() const { return !conic_ && polyhedron_.dependent(); }
-  [[nodiscard]] double contradiction() const { return polyhedron_.contradiction() / forceScale_; }
+  [[nodiscard]] double contradiction();
 
   // Of a saturated limit of a polyhedron, in the unit of forces.
   [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
   // Slack of limits()[k] at forces().
   [[nodiscard]] double slack(const ContactProblem &problem, int k) const;
-  LeastNorm::Status activate(int k) { return polyhedron_.activate(activeCount() + k); }
+  LeastNorm::Status activate(int k);
   void release(int k) { polyhedron_.release(activeCount() + k); }
 
   [[nodiscard]] const std::vector<double> &forces() const { return forces_; }
-  [[nodiscard]] const std::vector<double> &accelerations() const { return accelerations_; }
+  [[nodiscard]] const std::vector<double> &accelerations();
   [[nodiscard]] double forceScale() const { return forceScale_; }
 
 private:
   void view(const ContactProblem &problem);
   void loadPolyhedron(LeastNorm &polyhedron);
   void weighEquations();
-  void loadEquations(LeastNorm &polyhedron);
-  void loadLimits(LeastNorm &polyhedron);
+  void loadEquation(LeastNorm &polyhedron, int r);
+  void loadLimit(LeastNorm &polyhedron, int l);
+  void loadActive();
   void expandPoint(const double *point);
   void loadConic();
   void confineConic();
@@ -86,7 +87,7 @@ private:
   std::vector<ForceLimit> limits_;
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
-  std::vector<double> offset_, fixed_, unknown_, weight_, forces_, accelerations_, ignored_;
+  std::vector<double> offset_, fixed_, unknown_, weight_, forces_, accelerations_;
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
   DenseMatrix matrix_;
   double forceScale_ = 0;

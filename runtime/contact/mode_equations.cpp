@@ -1,5 +1,7 @@
 #include "runtime/contact/mode_equations.h"
 
+#include <algorithm>
+
 namespace tf::runtime {
 
 void ModeEquations::setMode(const ContactRowData &rows, const std::uint8_t *active, const std::int8_t *slip) {
@@ -45,6 +47,17 @@ void ModeEquations::assemble(const ContactRowData &rows, DenseMatrix &matrix) co
   }
 }
 
+void ModeEquations::assembleRow(const ContactRowData &rows, int r, double *row) const {
+  const double *source = rows.delassus->column(active_[r]);
+  for (int c = 0; c < activeCount(); ++c)
+    row[c] = source[active_[c]];
+  for (const int j : slipping_) {
+    const int owner = rows.owner[j];
+    if (owner >= 0 && position_[owner] >= 0)
+      row[position_[owner]] += slipFactor(rows, j) * source[rows.normalCount + j];
+  }
+}
+
 void ModeEquations::rightHandSide(const ContactRowData &rows, const double *fixedForce, double *rhs) {
   const int k = activeCount(), n = rows.normalCount;
   for (int r = 0; r < k; ++r)
@@ -67,17 +80,20 @@ void ModeEquations::rightHandSide(const ContactRowData &rows, const double *fixe
   }
 }
 
-void ModeEquations::expand(const ContactRowData &rows, const double *x, double *force, double *acceleration) const {
+void ModeEquations::expandForces(const ContactRowData &rows, const double *x, double *force) const {
   const int n = rows.normalCount, count = n + rows.tangentCount;
-  for (int r = 0; r < count; ++r) {
+  for (int r = 0; r < count; ++r)
     force[r] = position_[r] >= 0 ? x[position_[r]] : constant_[r];
-    acceleration[r] = rows.bias[r];
-  }
   for (const int j : slipping_) {
     const int owner = rows.owner[j];
     if (owner >= 0 && position_[owner] >= 0)
       force[n + j] += slipFactor(rows, j) * force[owner];
   }
+}
+
+void ModeEquations::accelerations(const ContactRowData &rows, const double *force, double *acceleration) const {
+  const int count = rows.normalCount + rows.tangentCount;
+  std::copy_n(rows.bias, count, acceleration);
   for (int c = 0; c < count; ++c) {
     if (force[c] == 0)
       continue;

@@ -34,10 +34,17 @@ public:
 
   // A (activeCount²) into `matrix`.
   void assemble(const ContactRowData &rows, DenseMatrix &matrix) const;
+  // Row r of it alone.
+  void assembleRow(const ContactRowData &rows, int r, double *row) const;
   // −(φ + D b) on the active rows. `fixedForce` (n): λ_n of the normal rows that are not active.
   void rightHandSide(const ContactRowData &rows, const double *fixedForce, double *rhs);
-  // λ = E x + b (after rightHandSide) and w = D λ + φ with exact zeros on the active rows.
-  void expand(const ContactRowData &rows, const double *x, double *force, double *acceleration) const;
+  // λ = E x + b (after rightHandSide) and w = D λ + φ with exact zeros on the active rows; both, or one of them.
+  void expand(const ContactRowData &rows, const double *x, double *force, double *acceleration) const {
+    expandForces(rows, x, force);
+    accelerations(rows, force, acceleration);
+  }
+  void expandForces(const ContactRowData &rows, const double *x, double *force) const;
+  void accelerations(const ContactRowData &rows, const double *force, double *acceleration) const;
 
 private:
   std::vector<int> active_, position_;

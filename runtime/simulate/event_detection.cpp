@@ -248,14 +248,24 @@ void EventDetection::illinoisZero(int guard, double zero, double lowValue, doubl
   }
 }
 
+// Whether the guard, which has fallen between the samples, has not yet done so at the first event that has been found: of many guards only
+// the first is wanted, and all are read there at once. Slips that one motion brings to zero together differ by rounding.
+bool EventDetection::fallsLater(int guard, const DetectedEvent &first) {
+  const Guard &g = dynamics_.guards()[guard];
+  if (isForceGuard(g.kind))
+    return guardInside(guard, first.time) >= level(guard);
+  if (first_.time != first.time)
+    sampleInside(first.time, false, first_);
+  const bool isSame = g.kind == GuardKind::Slip && dynamics_.guards()[first.guard].kind == GuardKind::Slip &&
+                      std::abs(first_.value[guard] - first_.value[first.guard]) <= rounding * g.scale;
+  return isSame || first_.value[guard] >= level(guard);
+}
+
 // The first zero of a guard between samples of different signs, on the interpolant.
 void EventDetection::bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first) {
-  if (first.guard >= 0 && low.time >= first.time)
+  if (first.guard >= 0 && (low.time >= first.time || (first.time < high.time && (first.guard == guard || fallsLater(guard, first)))))
     return;
   const double zero = level(guard);
-  // Of many guards that fall in the step only the first is wanted.
-  if (first.guard >= 0 && first.time < high.time && guardInside(guard, first.time) >= zero)
-    return;
   const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near; where the
@@ -435,6 +445,7 @@ DetectedEvent EventDetection::detect() {
   if (dynamics_.guards().empty())
     return first;
   begin_.time = integrator_->beginTime();
+  first_.time = std::numeric_limits<double>::quiet_NaN();
   // The dynamics' last evaluation is at the end of the step.
   readGuards(integrator_->endTime(), end_);
   bool quiet = true, steady = true;

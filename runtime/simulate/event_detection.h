@@ -55,6 +55,7 @@ private:
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
   void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
+  bool fallsLater(int guard, const DetectedEvent &first);
   void bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first);
   void newtonZero(int guard, double zero, double x, DetectedEvent &event);
   void illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event);
@@ -81,6 +82,7 @@ private:
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
   Sample begin_, end_;
+  Sample first_;                 // at the first event found so far
   std::array<Sample, 3> inner_;  // the latest ones
   std::vector<Sample> pool_;     // one middle for each depth of the search
   std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_;
