@@ -27,6 +27,9 @@ public:
 
   // The unique force; false where the matrix is singular. Results in forces(), accelerations().
   bool solveRegular(const ContactProblem &problem);
+  // Of the matrix of the last solveRegular: its determinant as a product, and that of another point of the mode divided by it.
+  void determinant(std::vector<double> &factors) const { factor_.determinant(factors); }
+  [[nodiscard]] double determinantOver(const std::vector<double> &factors) const { return factor_.determinantOver(factors); }
   // Directional derivative after solveRegular, or after solveLeastNorm or solveActive, see ModeForces::forceRates.
   void forceRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
   void leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);

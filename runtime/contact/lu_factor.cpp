@@ -63,6 +63,27 @@ bool LuFactor::factor(double singular) {
   return true;
 }
 
+double LuFactor::signOfExchanges() const {
+  double sign = 1;
+  for (int k = 0; lu_.rows() > 1 && k < lu_.rows(); ++k)
+    if (pivot_[k] != k)
+      sign = -sign;
+  return sign;
+}
+
+void LuFactor::determinant(std::vector<double> &factors) const {
+  factors.resize(lu_.rows());
+  for (int k = 0; k < lu_.rows(); ++k)
+    factors[k] = lu_(k, k) * (k == 0 ? signOfExchanges() : 1);
+}
+
+double LuFactor::determinantOver(const std::vector<double> &factors) const {
+  double ratio = signOfExchanges();
+  for (int k = 0; k < lu_.rows(); ++k)
+    ratio *= lu_(k, k) / factors[k];
+  return ratio;
+}
+
 void LuFactor::solve(double *b) const {
   const int n = lu_.rows();
   if (n == 1) {

@@ -20,8 +20,14 @@ public:
   // b ← A⁻¹ b.
   void solve(double *b) const;
 
+  // The determinant as a product: pivots, the first one with the sign of the row exchanges; and such a product of another matrix of the
+  // same size divided by it, factor by factor.
+  void determinant(std::vector<double> &factors) const;
+  [[nodiscard]] double determinantOver(const std::vector<double> &factors) const;
+
 private:
   bool factorTwo(double singular);
+  [[nodiscard]] double signOfExchanges() const;
 
   DenseMatrix lu_;
   std::vector<int> pivot_;

@@ -18,7 +18,14 @@ constexpr double coarseFeasibility = 1e-7;
 // Redundant rows contradict one another by rounding, relative to the force scale; where they do by more, they no longer depend on each
 // other. Well above what the contact solver accepts, so that the mode is not chosen again.
 constexpr double contradiction = 1e-9;
-constexpr int allLimits = -1, allRows = -2;
+
+// Whether a slip may press its contact in: without friction, and in redundant rows, it does not.
+bool slipsWithFriction(const ContactProblem &problem, const ContactMode &mode) {
+  for (int j = 0; j < problem.tangentCount; ++j)
+    if (problem.owner[j] >= 0 && mode.closed[problem.owner[j]] != 0 && mode.slip[j] != 0 && problem.friction[j] > 0)
+      return true;
+  return false;
+}
 
 }  // namespace
 
@@ -30,12 +37,21 @@ struct ModeForces::Workspace {
   std::vector<double> values;
   bool isCurrent = true;           // `values` are those of the last evaluation
   double allowed = contradiction;  // between redundant rows
+  bool mayPress = false;
+  std::vector<double> firstDeterminant;
+  double firstScale = 0;  // the largest force at the begin
 
+  void beginPressing() {
+    set.determinant(firstDeterminant);
+    firstScale = 0;
+    for (const double force : set.forces())
+      firstScale = std::max(firstScale, std::abs(force));
+  }
   void listMargins() {
     margins.clear();
     const bool conic = redundant && set.isConic();
     if (conic && !set.isInside())
-      margins.push_back({{allLimits, 0}, false});
+      margins.push_back({{ModeMargin::commonSlack, 0}, false});
     for (std::size_t k = 0; conic && set.isInside() && k < set.limits().size(); ++k)
       margins.push_back({set.limits()[k], false});
     if (conic) {
@@ -45,7 +61,9 @@ struct ModeForces::Workspace {
     for (std::size_t k = 0; k < set.limits().size(); ++k)
       margins.push_back({set.limits()[k], redundant && set.saturated(static_cast<int>(k)) >= 0});
     if (redundant && set.mayContradict())
-      margins.push_back({{allRows, 0}, false});
+      margins.push_back({{ModeMargin::contradiction, 0}, false});
+    if (mayPress)
+      margins.push_back({{ModeMargin::pressing, 0}, false});
     values.resize(margins.size());
   }
   // Margins are needed at the ends of steps only.
@@ -55,10 +73,16 @@ struct ModeForces::Workspace {
   }
   [[nodiscard]] double value(int k) {
     const ModeMargin &margin = margins[k];
-    if (margin.limit.row == allLimits)
+    switch (margin.limit.row) {
+    case ModeMargin::commonSlack:
       return set.commonSlack();
-    if (margin.limit.row == allRows)
+    case ModeMargin::contradiction:
       return set.forceScale() * (1 - set.contradiction() / allowed);
+    case ModeMargin::pressing:
+      return firstScale * (set.determinantOver(firstDeterminant) + ModeMargin::pressed);
+    default:
+      break;
+    }
     return margin.multiplier ? set.multiplier(set.saturated(k)) : set.slack(*problem, k);
   }
 };
@@ -79,6 +103,9 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode) {
   else
     valid = w.set.solveRegular(problem);
   w.allowed = w.redundant && w.set.mayContradict() ? std::max(contradiction, 10 * w.set.contradiction()) : contradiction;
+  w.mayPress = !w.redundant && valid && slipsWithFriction(problem, mode);
+  if (w.mayPress)
+    w.beginPressing();
   w.listMargins();
   w.setProblem(problem);
   return valid;
@@ -104,9 +131,11 @@ std::span<const double> ModeForces::marginValues() const {
   return w.values;
 }
 
+const std::vector<double> &ModeForces::firstDeterminant() const { return work_->firstDeterminant; }
+
 MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;
-  if (!w.redundant || w.margins[margin].limit.row == allRows)
+  if (!w.redundant || w.margins[margin].limit.row == ModeMargin::contradiction)
     return MarginOutcome::ModeEnds;
   if (w.set.isConic()) {
     if (!w.set.isInside() || w.set.confine(*w.problem, feasibility) != LeastNorm::Status::Solved)

@@ -13,7 +13,11 @@ namespace tf::runtime {
 
 // An inequality that holds in the mode; it ends, or its representative changes, where the value falls to zero.
 struct ModeMargin {
-  // row −1: all of them, the value is their largest common slack; row −2: what redundant rows may still contradict one another by
+  // Rows of limits that are not one row's: the largest common slack of all limits; what redundant rows may still contradict one another
+  // by; how far slips are from pressing their contacts in: the determinant of the forces' matrix, relative to the begin of the mode.
+  static constexpr int commonSlack = -1, contradiction = -2, pressing = -3;
+  // The mode ends where the determinant has just changed its sign: at the zero itself forces are not defined.
+  static constexpr double pressed = 1e-6;
   ForceLimit limit;
   bool multiplier = false;  // the limit is saturated: the value is its multiplier, and zero means that the representative leaves it
 };
@@ -46,6 +50,8 @@ public:
   // The inequalities of the mode, a smooth function each, and their values at the last evaluation (forces' unit).
   [[nodiscard]] std::span<const ModeMargin> margins() const;
   [[nodiscard]] std::span<const double> marginValues() const;
+  // For a margin with the row `pressing`: the determinant at the begin of the mode, as a product (LuFactor::determinant).
+  [[nodiscard]] const std::vector<double> &firstDeterminant() const;
 
   // The margin has reached zero at the last evaluation and would become negative: can the mode go on with another representative?
   MarginOutcome cross(int margin);

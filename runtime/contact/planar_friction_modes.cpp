@@ -137,7 +137,8 @@ int PlanarFrictionSolver::enumerate(const PlanarFrictionMode *previous, bool fir
       trial_.changes = 1;
     bool take = found == 0;
     if (!take && sameMotion(trial_, best_)) {
-      take = trial_.changes < best_.changes;
+      const bool isStable = stable(trial_.mode);
+      take = isStable == stable(best_.mode) ? trial_.changes < best_.changes : isStable;
     } else if (!take) {
       found = 2;
       take = preferred();

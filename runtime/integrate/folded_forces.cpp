@@ -32,6 +32,27 @@ void FoldedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
     values_.assign(start.marginValues().begin(), start.marginValues().end());
   }
   isSmall_ = chooseSmall(at, rows, problem);
+  beginPressing(start);
+}
+
+void FoldedForces::beginPressing(const ModeForces &start) {
+  firstDeterminant_.clear();
+  for (std::size_t k = 0; k < margins_.size(); ++k) {
+    if (margins_[k].limit.row != ModeMargin::pressing)
+      continue;
+    firstDeterminant_ = start.firstDeterminant();
+    firstScale_ = values_[k] / (1 + ModeMargin::pressed);
+  }
+}
+
+// Of the equations of the last evaluation, relative to the begin of the mode.
+double FoldedForces::relativeDeterminant() const {
+  if (!isSmall_)
+    return factor_.determinantOver(firstDeterminant_);
+  double ratio = determinant_;
+  for (const double factor : firstDeterminant_)
+    ratio /= factor;
+  return ratio;
 }
 
 bool FoldedForces::chooseSmall(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
@@ -101,6 +122,10 @@ void FoldedForces::expand(const ContactRows &problem) {
         -slip.sign * (slip.unknown >= 0 ? problem.friction[slip.row - n] * unknowns_[slip.unknown] : problem.bound[slip.row - n]);
   for (std::size_t k = 0; k < margins_.size(); ++k) {
     const ForceLimit &limit = margins_[k].limit;
+    if (limit.row == ModeMargin::pressing) {
+      values_[k] = firstScale_ * (relativeDeterminant() + ModeMargin::pressed);
+      continue;
+    }
     const double own = forces_[limit.row];
     values_[k] = limit.side == 0                  ? own
                  : limit.side == ForceLimit::disk ? problem.limit(limit.row - n, forces_.data()) - std::hypot(own, forces_[limit.row + 1])
@@ -120,7 +145,7 @@ bool FoldedForces::correct(const ModelEvaluation &at, const std::uint8_t *takesP
 }
 
 bool FoldedForces::evaluateSmall(const ModelEvaluation &at, const ContactRows &problem, double *acceleration) {
-  if (!small_.solve(at, unknowns_.data(), acceleration))
+  if (!small_.solve(at, unknowns_.data(), acceleration, determinant_))
     return false;
   expand(problem);
   return true;

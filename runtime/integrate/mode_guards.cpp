@@ -97,6 +97,12 @@ void ModeDynamics::guardRates(double *rates) const {
     rates[k] = guards_[k].kind == GuardKind::Gap ? at_.gapRate[guards_[k].index] : std::numeric_limits<double>::quiet_NaN();
 }
 
+bool ModeDynamics::isPressed(int guard) const {
+  return guards_[guard].kind == GuardKind::Force && forces_.margins()[guards_[guard].index].limit.row == ModeMargin::pressing;
+}
+
+bool ModeDynamics::isPole(int guard) const { return !(std::abs(readGuard(guards_[guard])) <= guards_[guard].scale); }
+
 double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
   completeRows();
   at_.setPoint(at_.time(), state);

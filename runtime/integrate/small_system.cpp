@@ -56,15 +56,19 @@ template <int nv> [[gnu::always_inline]] inline void addSlip(const SmallSystem::
 }
 
 // A x = b by elimination with partial pivoting; b is the last column. False: a pivot is zero.
-template <int count> [[gnu::always_inline]] inline bool eliminate(double (&a)[count][count + 1], double *x) {
+template <int count> [[gnu::always_inline]] inline bool eliminate(double (&a)[count][count + 1], double *x, double &determinant) {
+  determinant = 1;
   for (int k = 0; k < count; ++k) {
     int best = k;
     for (int i = k + 1; i < count; ++i)
       if (std::abs(a[i][k]) > std::abs(a[best][k]))
         best = i;
-    if (best != k)
+    if (best != k) {
       for (int j = k; j <= count; ++j)
         std::swap(a[k][j], a[best][j]);
+      determinant = -determinant;
+    }
+    determinant *= a[k][k];
     if (!(std::abs(a[k][k]) > 0))
       return false;
     for (int i = k + 1; i < count; ++i) {
@@ -106,7 +110,7 @@ private:
 // With B the columns of the unknown forces, friction of slipping contacts folded in, and J the active rows:
 //     M a = f + B x,   J a + bias = 0
 template <int nv, int count> struct SmallSystem::Equations {
-  static bool solve(const SmallSystem &system, const ModelEvaluation &at, double *unknowns, double *acceleration) {
+  static bool solve(const SmallSystem &system, const ModelEvaluation &at, double *unknowns, double *acceleration, double &determinant) {
     const Factor<nv> mass(system, at);
     if (!mass.good)
       return false;
@@ -130,7 +134,7 @@ template <int nv, int count> struct SmallSystem::Equations {
           matrix[r][c] = product<nv>(system.active_[r].jacobian, column[c]);
         matrix[r][count] = -(product<nv>(system.active_[r].jacobian, column[count]) + *system.active_[r].bias);
       }
-      if (!eliminate<count>(matrix, unknowns))
+      if (!eliminate<count>(matrix, unknowns, determinant))
         return false;
     }
     for (int k = 0; k < nv; ++k) {
@@ -158,7 +162,8 @@ template <int nv, int count> struct SmallSystem::Equations {
           matrix[r][c] = product<nv>(system.active_[r].jacobian, column[c]);
         matrix[r][count] = residual[r];
       }
-      if (!eliminate<count>(matrix, impulse))
+      double determinant = 0;
+      if (!eliminate<count>(matrix, impulse, determinant))
         return false;
       for (int k = 0; k < nv; ++k)
         for (int c = 0; c < count; ++c)

@@ -29,9 +29,11 @@ public:
   std::vector<ActiveRow> &clear();
   void addSlipping(const SlippingRow &row) { slipping_.push_back(row); }  // of a friction element
   bool start(const ModelEvaluation &at);
-  // The forces of the active rows and the accelerations [nv], out of M, f and the rows at the evaluation's point. False: M is not positive
-  // definite or the rows depend on each other.
-  bool solve(const ModelEvaluation &at, double *unknowns, double *acceleration) const { return solve_(*this, at, unknowns, acceleration); }
+  // The forces of the active rows, the accelerations [nv] and the determinant of the forces' matrix, out of M, f and the rows at the
+  // evaluation's point. False: M is not positive definite or the rows depend on each other.
+  bool solve(const ModelEvaluation &at, double *unknowns, double *acceleration, double &determinant) const {
+    return solve_(*this, at, unknowns, acceleration, determinant);
+  }
 
   // change += M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ residual over the first `count` active rows: the smallest change in the metric of M. False: as `solve`.
   bool correct(const ModelEvaluation &at, int count, const double *residual, double *change) const {
@@ -41,7 +43,7 @@ public:
 private:
   template <int nv> struct Factor;
   template <int nv, int count> struct Equations;
-  using Solve = bool (*)(const SmallSystem &, const ModelEvaluation &, double *, double *);
+  using Solve = bool (*)(const SmallSystem &, const ModelEvaluation &, double *, double *, double &);
   using Correct = bool (*)(const SmallSystem &, const ModelEvaluation &, const double *, double *);
   template <int nv> void useSize();
 

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace tf::runtime {
@@ -36,12 +37,40 @@ TEST(ModeForces, SlidingContactHasTheFormula) {
   EXPECT_DOUBLE_EQ(forces.forces()[1], -0.4 * normal);
   EXPECT_EQ(forces.accelerations()[0], 0.0);
   EXPECT_NEAR(forces.accelerations()[1], 1 + 0.5 * normal - 2 * 0.4 * normal, 1e-15);
-  ASSERT_EQ(forces.margins().size(), 1u);
+  ASSERT_EQ(forces.margins().size(), 2u);
   EXPECT_DOUBLE_EQ(forces.marginValues()[0], normal);
   problem.bias[0] = 1;  // would have to pull
   ASSERT_TRUE(forces.evaluate(problem));
   EXPECT_LT(forces.marginValues()[0], 0);
   EXPECT_EQ(forces.cross(0), MarginOutcome::ModeEnds);
+}
+
+// det A relative to the begin of the mode, until it has changed its sign.
+TEST(ModeForces, SlipsThatPressTheirContactsInEndTheMode) {
+  ContactProblem problem;
+  problem.resize(2, 2);
+  problem.delassus.map() << 3, 1, 0.5, 0.2, 1, 2, 0.1, 0.4, 0.5, 0.1, 2, 0, 0.2, 0.4, 0, 2;
+  problem.bias = {-4, -3, 1, 1};
+  problem.owner = {0, 1};
+  problem.friction = {0.4, 0.4};
+  problem.slipSign = {1, 1};
+  ModeForces forces;
+  ASSERT_TRUE(forces.start(problem, modeOf({1, 1}, {1, 1})));
+  const auto determinant = [&problem] {
+    const auto entry = [&problem](int r, int c) { return problem.delassus(r, c) - problem.friction[c] * problem.delassus(r, 2 + c); };
+    return entry(0, 0) * entry(1, 1) - entry(0, 1) * entry(1, 0);
+  };
+  ASSERT_EQ(forces.margins().back().limit.row, ModeMargin::pressing);
+  const double largest = std::max({std::abs(forces.forces()[0]), std::abs(forces.forces()[1])});
+  const double begin = determinant();
+  EXPECT_DOUBLE_EQ(forces.marginValues().back(), largest * (1 + ModeMargin::pressed));
+  for (const double friction : {2.0, 4.0, 8.0}) {
+    problem.friction = {friction, 0.4};
+    ASSERT_TRUE(forces.evaluate(problem));
+    EXPECT_NEAR(forces.marginValues().back(), largest * (determinant() / begin + ModeMargin::pressed), 1e-12) << friction;
+  }
+  EXPECT_LT(forces.marginValues().back(), 0);
+  EXPECT_EQ(forces.cross(static_cast<int>(forces.margins().size()) - 1), MarginOutcome::ModeEnds);
 }
 
 TEST(ModeForces, StickHasTwoMargins) {
