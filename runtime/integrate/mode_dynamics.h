@@ -72,9 +72,7 @@ public:
   // Of a contact at the last evaluation's point, before rounding errors below zero are cut off; 0 where it is open.
   [[nodiscard]] double normalForce(int contact) const;
 
-  // The guard is that of slips that press their contacts in (ModeMargin::pressing): beyond its zero the forces are not those of the mode.
-  [[nodiscard]] bool isPressed(int guard) const;
-  // A guard of a force that has changed its sign: at a pole, where forces grow beyond all bounds, not at a zero.
+  // A guard of kind Force has changed its sign where forces grow beyond all bounds, not at a zero. At the last evaluation's point.
   [[nodiscard]] bool isPole(int guard) const;
   // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormal); −1:
   // none.

@@ -97,11 +97,16 @@ void ModeDynamics::guardRates(double *rates) const {
     rates[k] = guards_[k].kind == GuardKind::Gap ? at_.gapRate[guards_[k].index] : std::numeric_limits<double>::quiet_NaN();
 }
 
-bool ModeDynamics::isPressed(int guard) const {
-  return guards_[guard].kind == GuardKind::Force && forces_.margins()[guards_[guard].index].limit.row == ModeMargin::pressing;
+bool ModeDynamics::isPole(int guard) const {
+  const double begin = guards_[guard].scale;
+  if (forces_.margins()[guards_[guard].index].limit.row != ModeMargin::pressing) {
+    constexpr double zero = 0.1;  // near a pole that is not far from a zero, a projected state has forces of some such size
+    return !(std::abs(readGuard(guards_[guard])) <= zero * begin);
+  }
+  // The determinant is −1e-6 of what it was: so much larger are forces that have a pole.
+  constexpr double finite = 1e3;
+  return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
 }
-
-bool ModeDynamics::isPole(int guard) const { return !(std::abs(readGuard(guards_[guard])) <= guards_[guard].scale); }
 
 double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
   completeRows();

@@ -266,8 +266,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     startIntegrator();
     return TF_OK;
   }
-  if (guard.kind == GuardKind::Force && !dynamics_.isPressed(event.guard) && dynamics_.evaluate(time_, state_.data(), rate_.data()) &&
-      dynamics_.isPole(event.guard))
+  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.isPole(event.guard))
     if (const int contact = dynamics_.jammedContact(); contact >= 0)
       return jam(contact);
   beginEvent();
