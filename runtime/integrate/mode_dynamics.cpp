@@ -21,8 +21,21 @@ ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
     isPaired_[j] = pair[j] >= 0;
 }
 
+// A mode without rows and sliding step variables depends on nothing but its step variables, and may begin again as it is.
+bool ModeDynamics::isPrepared(const Mode &mode) const {
+  return preparedRevision_ == at_.parameterRevision() && rows_.count() == 0 && sliding_.empty() && mode == mode_;
+}
+
 bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate) {
   const tf_model &model = at_.model();
+  if (isPrepared(mode)) {
+    for (int j = 0; j < model.ns; ++j)
+      at_.stepVariable[j] = mode.switches[j] == Switch::One ? 1 : 0;
+    std::fill(at_.normalForce.begin(), at_.normalForce.end(), 0.0);
+    std::fill(at_.tangentForce.begin(), at_.tangentForce.end(), 0.0);
+    return evaluate(time, state, rate);
+  }
+  preparedRevision_ = -1;
   mode_ = mode;
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
   contacts.clear();
@@ -85,6 +98,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
   isSmall_ = isFolded_ && folded_.isSmall();
   projection_.use(isSmall_ ? &folded_ : nullptr);
   buildGuards();
+  preparedRevision_ = at_.parameterRevision();
   return true;
 }
 
@@ -297,15 +311,14 @@ bool ModeDynamics::giveRate(double *rate) {
     rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
     recordMargins();
   }
-  const double tauRate = numericalTimeRate(closedForce_, closedRate_);
-  timeSpeed_ = tauRate > 0 ? 1 / tauRate : 1;
+  tauRate_ = numericalTimeRate(closedForce_, closedRate_);
   at_.kinematics(rate);
   double *rest = rate + model.nq;
   for (int i = 0; i < model.nv; ++i)
     *rest++ = at_.acceleration[i];
   for (int i = 0; i < model.nz; ++i)
     *rest++ = at_.stateRate[i];
-  rate[size() - 1] = tauRate;
+  rate[size() - 1] = tauRate_;
   if (!allFinite(rate, size()))
     return fail(EvaluationFailure::NotFinite);
   return true;

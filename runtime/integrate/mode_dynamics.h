@@ -61,7 +61,7 @@ public:
   // Of the last evaluation.
   [[nodiscard]] EvaluationFailure failure() const { return failure_; }
   // dt/dtau of the last evaluation.
-  [[nodiscard]] double timeSpeed() const { return timeSpeed_; }
+  [[nodiscard]] double timeSpeed() const { return tauRate_ > 0 ? 1 / tauRate_ : 1; }
 
   // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point.
   bool jacobian(double time, const double *state, double *matrix);
@@ -140,6 +140,7 @@ public:
   void resetStatistics() { evaluations_ = 0; }
 
 private:
+  [[nodiscard]] bool isPrepared(const Mode &mode) const;
   bool prepare(double time, const double *state);
   bool evaluateSmall(double time, const double *state, double *rate);
   bool giveRate(double *rate);
@@ -185,7 +186,8 @@ private:
   std::vector<Guard> guards_;
   std::vector<double> leastMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
-  double timeSpeed_ = 1;
+  double tauRate_ = 1;
+  long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none
   EvaluationFailure failure_ = EvaluationFailure::None;
   long long evaluations_ = 0;
   bool starting_ = false;
