@@ -236,6 +236,7 @@ TEST(Impacts, SlidingRodOpensWhereItsForceBecomesIndeterminate) {
     EXPECT_NEAR(model["floor[1].normalForce"], 309.505, 1e-3);
     model.advance(0.05);
     ASSERT_EQ(count(model, TF_EVENT_OPENING), 1);
+    EXPECT_LE(count(model, TF_EVENT_PAINLEVE), 1);
     EXPECT_EQ(model["floor[1].impulse"], 0.0);
     // It flies from where D_s = 5 + 4 cos 2φ − 4 μ sin 2φ is zero.
     const double angle = 0.5 * (std::acos(-5 / std::hypot(4, 4 * mu)) - std::atan(mu));
