@@ -17,9 +17,9 @@ public:
   StepStatus step(double limit) override;
   bool shorten(double time) override;
   void interpolate(double time, double *state) override;
-  // The interpolant's second derivative is off by its error times a few tens: at 1e-3 of a step beyond the end the state is off by some
-  // 1e-5 of the interpolant's error, which is of the order of the tolerance.
-  [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-3; }
+  // The interpolant's second derivative is off by its error times a few tens: at 1e-2 of a step beyond the end the state is off by some
+  // 1e-3 of the interpolant's error, which is of the order of the tolerance.
+  [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-2; }
   [[nodiscard]] bool isExactInside() const override {
     return settings_.fixedStep <= 0 && error_ <= negligible && !dynamics_.hasTurningSlips();
   }

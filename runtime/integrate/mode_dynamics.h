@@ -97,6 +97,8 @@ public:
   // The least value of a Force guard at the evaluations since restartMargins().
   [[nodiscard]] double leastMargin(int guard) const { return leastMargins_[guards_[guard].index]; }
   void restartMargins();
+  // Values and rates of Gap and Slip guards at the model's point, wherever the dynamics has been evaluated last (zero for the others).
+  void switchingValues(double *values, double *rates);
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
 

@@ -108,6 +108,13 @@ bool ModeDynamics::isPole(int guard) const {
   return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
 }
 
+void ModeDynamics::switchingValues(double *values, double *rates) {
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  for (std::size_t k = 0; k < guards_.size(); ++k)
+    values[k] = guards_[k].kind == GuardKind::Gap || guards_[k].kind == GuardKind::Slip ? readGuard(guards_[k]) : 0;
+  guardRates(rates);
+}
+
 double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
   completeRows();
   at_.setPoint(at_.time(), state);

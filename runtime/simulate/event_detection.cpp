@@ -157,6 +157,7 @@ void EventDetection::restart(double time, double speedOfRounding) {
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
   start_.assign(count, std::numeric_limits<double>::infinity());
+  cut_ = false;
   startTime_ = time;
   readGuards(time, begin_);
   start_ = begin_.value;
@@ -442,6 +443,7 @@ bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
 
 DetectedEvent EventDetection::detect() {
   DetectedEvent first;
+  cut_ = cut_ && integrator_->endTime() == cutTime_;
   if (dynamics_.guards().empty())
     return first;
   begin_.time = integrator_->beginTime();

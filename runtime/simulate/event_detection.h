@@ -27,6 +27,10 @@ public:
   void restart(double time, double speedOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
+  // Where the next step should end at the latest: `limit`, or right behind an event that is expected before it.
+  double stepLimit(double limit);
+  // The last step was to end there, not at its limit: its length is no measure of its error.
+  [[nodiscard]] bool isCut() const { return cut_; }
   // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
   DetectedEvent detect();
   // The step ended without an event: its end is the begin of the next one.
@@ -66,6 +70,8 @@ private:
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
   double guardHere(int guard, double time);
+  double expected();
+  bool endsNearby(DetectedEvent &event);
   bool moveInside(DetectedEvent &event);
   bool extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
   bool nudge(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
@@ -79,6 +85,8 @@ private:
   std::vector<double> start_, startRate_;
   bool needsForces_ = false;
   bool watched_ = false;  // a gap has not left zero yet
+  bool cut_ = false;      // see isCut
+  double cutTime_ = 0;
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
   Sample begin_, end_;

@@ -12,6 +12,8 @@ namespace tf::runtime {
 bool EventDetection::locate(DetectedEvent &event) {
   if (integrator_->isExactInside() && moveInside(event))
     return true;
+  if (endsNearby(event))
+    return true;
   const int guard = event.guard;
   const double zero = level(guard);
   const double begin = integrator_->beginTime();
@@ -49,6 +51,15 @@ bool EventDetection::locate(DetectedEvent &event) {
   }
   event.time = x;
   return true;
+}
+
+// The step has ended so near the zero that the interpolant leads there from its end.
+bool EventDetection::endsNearby(DetectedEvent &event) {
+  const double end = integrator_->endTime(), length = end - integrator_->beginTime();
+  if (!cut_ || !(std::abs(event.time - end) <= integrator_->reach() * length) || !(event.slope < 0))
+    return false;
+  return dynamics_.evaluate(end, integrator_->end(), integrator_->endRate()) &&
+         extend(event.guard, level(event.guard), end_.value[event.guard] - level(event.guard), event.slope, end, event);
 }
 
 bool EventDetection::findEarlier(DetectedEvent &event) {

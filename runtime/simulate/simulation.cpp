@@ -192,7 +192,8 @@ tf_status Simulation::Implementation::commit() {
   time_ = integrator.endTime();
   std::copy_n(integrator.end(), n_, state_.begin());
   std::copy_n(integrator.endRate(), n_, rate_.begin());
-  suggestedStep_ = integrators_.primaryIsCurrent() ? integrator.suggestedStep() : 0;
+  if (!detection_.isCut())
+    suggestedStep_ = integrators_.primaryIsCurrent() ? integrator.suggestedStep() : 0;
   if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     observeInvariants();
   if (!differentiated)
@@ -227,7 +228,7 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
-  StepStatus status = integrators_.current().step(limit);
+  StepStatus status = integrators_.current().step(detection_.stepLimit(limit));
   if (SmoothIntegrator *other = status != StepStatus::Done ? integrators_.afterFailure() : nullptr; other != nullptr) {
     if (!takeOver(*other, IntegratorReason::Failure))
       return failEvaluation();

@@ -1,0 +1,70 @@
+// Where the next event is expected: a step that ends right behind it need not be solved a second time to end at it.
+#include "runtime/simulate/event_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+// Parts of a step that the expected zero may be missed by: the integrator's reach covers it on both sides of the step's end.
+constexpr double margin = 0.5;
+// Rates of switching functions change by δ times their derivative; what remains of it in the difference is as large as what it neglects.
+const double increment = std::sqrt(std::numeric_limits<double>::epsilon());
+
+// The first t > 0 with gap + rate t + acceleration t²/2 = 0, infinity if there is none; a gap of zero opens first.
+double parabolaZero(double gap, double rate, double acceleration) {
+  if (gap <= 0)
+    return rate > 0 && acceleration < 0 ? -2 * rate / acceleration : infinity;
+  const double discriminant = rate * rate - 2 * acceleration * gap;
+  const double sum = discriminant >= 0 ? std::sqrt(discriminant) - rate : 0;
+  return sum > 0 ? 2 * gap / sum : infinity;
+}
+
+}  // namespace
+
+// Gaps along parabolas and slips along lines, by the change of their rates over an increment of time, which takes no evaluation of the
+// dynamics.
+double EventDetection::expected() {
+  const double begin = integrator_->endTime(), *state = integrator_->end(), *rate = integrator_->endRate();
+  for (int i = 0; i < dynamics_.size(); ++i)
+    state_[i] = state[i] + increment * rate[i];
+  dynamics_.model().setPoint(begin + increment, state_.data());
+  first_.value.resize(dynamics_.guards().size());
+  first_.rate.resize(dynamics_.guards().size());
+  first_.time = std::numeric_limits<double>::quiet_NaN();
+  dynamics_.switchingValues(first_.value.data(), first_.rate.data());
+  double earliest = infinity;
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+    const Guard &guard = dynamics_.guards()[k];
+    double time = infinity;
+    if (guard.kind == GuardKind::Gap) {
+      const double gap = begin_.value[k] > threshold(static_cast<int>(k)) ? begin_.value[k] : 0;
+      time = parabolaZero(gap, begin_.rate[k], (first_.rate[k] - begin_.rate[k]) / increment);
+    } else if (guard.kind == GuardKind::Slip && begin_.value[k] > threshold(static_cast<int>(k))) {
+      const double slope = (first_.value[k] - begin_.value[k]) / increment;
+      time = slope < 0 ? -begin_.value[k] / slope : infinity;
+    }
+    earliest = std::min(earliest, time);
+  }
+  return earliest;
+}
+
+double EventDetection::stepLimit(double limit) {
+  const bool tries = !cut_ && dynamics_.model().model().nv > RowSystem::narrow && !dynamics_.guards().empty() &&
+                     integrator_->settings().fixedStep <= 0 && integrator_->reach() > 0;
+  cut_ = false;
+  if (!tries)
+    return limit;
+  const double begin = integrator_->endTime(), length = expected() * (1 + margin * integrator_->reach());
+  // A step much shorter than times can be told apart would not end where it should.
+  if (!(length > 1e4 * std::numeric_limits<double>::epsilon() * std::abs(begin)) || !(begin + length < limit))
+    return limit;
+  cut_ = true;
+  return cutTime_ = begin + length;
+}
+
+}  // namespace tf::runtime
