@@ -81,6 +81,16 @@ TEST(LongChain, KeepsItsBalanceWhereAStraightPieceIsBent) {
   EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, 1e-9);
 }
 
+// Events that are expected need no second step to end at them: nine evaluations for each choice of a mode, thirteen otherwise.
+TEST(LongChain, StepsEndWhereEventsAreExpected) {
+  CompiledModel model(chainOf(20));
+  model.tolerance(1e-4).initialise();
+  model.advance(1);
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_GT(statistics.contact_solves, 200);
+  EXPECT_LT(static_cast<double>(statistics.evaluations), 11.0 * static_cast<double>(statistics.contact_solves));
+}
+
 // Rods that are described by one end, so that each has a full block of the mass matrix; they fall on the floor far from one another.
 std::string rods(int first, int count) {
   return "model Rods\n  parameter Integer first = " + std::to_string(first) + ";\n  parameter Integer n = " + std::to_string(count) + R"(;
