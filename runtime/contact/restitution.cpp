@@ -31,11 +31,6 @@ void Restitution::begin(std::span<const double> coefficient, std::span<const Imp
       target_[i] = std::max(0.0, -coefficient[i] * normalVelocity[i]);
 }
 
-double Restitution::rebound(int i, double response) const {
-  const double byWork = std::sqrt(2 * response * std::max(0.0, work_[i])), byImpulse = response * impulse_[i];
-  return law_[i] == ImpactLaw::Stronge ? byWork : several_ ? std::min(byWork, byImpulse) : byImpulse;
-}
-
 bool Restitution::push(std::span<const double> force) {
   if (several_)
     return false;

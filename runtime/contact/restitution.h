@@ -33,9 +33,6 @@ public:
   [[nodiscard]] double impulse(int i) const { return impulse_[i]; }
   [[nodiscard]] double work(int i) const { return work_[i]; }
 
-  // The speed that the contact gives itself by what it stores, from rest; `response` is its D_ii.
-  [[nodiscard]] double rebound(int i, double response) const;
-
   // These contacts (force > 0) push. True if the rule for several contacts holds from now on.
   bool push(std::span<const double> force);
 

@@ -312,13 +312,6 @@ void SpatialFrozenPhase::Workspace::reconcile() {
       impulse[rows[a]] += correction[a];
 }
 
-// What contacts at rest have stored from velocities within rounding would only press contacts beside them in as little, which push back.
-void SpatialFrozenPhase::Workspace::dropTraces() {
-  for (int i = 0; i < n; ++i)
-    if (restitution.stored(i) && std::abs(velocity[i]) <= roundingSpeed && restitution.rebound(i, problem->delassus(i, i)) <= roundingSpeed)
-      restitution.set(i, 0, 0);
-}
-
 // Redundant forces that reach a limit are exchanged for others of the same motion, which is no breakpoint; if there are none, all that
 // have no room leave their limits together.
 void SpatialFrozenPhase::Workspace::exchange(const Watch &event, bool &found) {
@@ -344,7 +337,6 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
   bool found = true;  // a breakpoint: the mode is chosen anew
   int escapes = 0;
   for (;;) {
-    dropTraces();
     if (anyNearZero()) {
       if (!settleNearZero(forced))
         return fail(FrozenStatus::Unsettled);

@@ -117,7 +117,6 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] FrozenEvent classify(const Watch &event) const;
   void fail(FrozenStatus status);
   void reconcile();
-  void dropTraces();
   void exchange(const Watch &event, bool &found);
   bool jams(int forced);
   void follow(int forced);

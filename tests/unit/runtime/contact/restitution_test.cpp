@@ -224,29 +224,6 @@ TEST(FrozenRestitution, PainleveRodRebounds) {
 }
 
 // Each contact has its own coefficient, law and rate.
-// Half of the impulse that has stopped the contact, or the work of half of its speed.
-TEST(FrozenRestitution, TheReboundIsTheSpeedThatIsStored) {
-  const double response = 2, rate = 3, speed = 0.5;
-  for (const ImpactLaw law : {ImpactLaw::Poisson, ImpactLaw::Stronge}) {
-    Restitution restitution;
-    restitution.begin(std::vector<double>{0.5}, std::vector<ImpactLaw>{law}, std::vector<double>{rate}, std::vector<double>{-speed});
-    restitution.advance(0, -speed, response * rate, speed / (response * rate), false);
-    EXPECT_NEAR(restitution.rebound(0, response), 0.5 * speed, 1e-15);
-  }
-}
-
-// Of two contacts that push, the one that was hardly pressed in pushes as long as the other, and can use no more than its work.
-TEST(FrozenRestitution, WhereSeveralPushTheReboundIsLimitedByWork) {
-  const double response = 1, speed = 1e-12, duration = 1;
-  Restitution restitution;
-  restitution.begin(std::vector<double>{0.5, 0.5}, std::vector<ImpactLaw>{ImpactLaw::Poisson, ImpactLaw::Poisson},
-                    std::vector<double>{1, 1}, std::vector<double>{-speed, -1});
-  restitution.push(std::vector<double>{1, 1});
-  restitution.advance(0, -speed, speed / duration, duration, false);
-  EXPECT_NEAR(restitution.rebound(0, response), std::sqrt(speed * duration * response), 1e-15);
-  EXPECT_LT(restitution.rebound(0, response), 0.5 * duration * response);
-}
-
 TEST(FrozenRestitution, ContactsThatDoNotTouchEachOtherKeepTheirOwnLaws) {
   FrozenProblem problem;
   problem.resize(3, 0);
