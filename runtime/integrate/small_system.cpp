@@ -10,8 +10,26 @@ namespace {
 // A pivot that has lost all but rounding errors of its diagonal entry is singular.
 constexpr double singular = 1e-14;
 
+// By leading principal minors, quotients of which are the pivots: the divisions do not wait for one another.
+[[gnu::always_inline]] inline bool factoriseThree(const double *mass, double *factor, double *inverse) {
+  const double a = mass[0], b = mass[3], c = mass[4], d = mass[6], e = mass[7], f = mass[8];
+  const double second = a * c - b * b, mixed = a * e - b * d;
+  const double third = a * (c * f - e * e) - b * (b * f - e * d) + d * (b * e - c * d);
+  if (!(a > 0) || !(second > singular * a * std::abs(c)) || !(third > singular * second * std::abs(f)))
+    return false;
+  inverse[0] = 1 / a;
+  inverse[1] = a / second;
+  inverse[2] = second / third;
+  factor[3] = b * inverse[0];
+  factor[6] = d * inverse[0];
+  factor[7] = mixed / second;
+  return true;
+}
+
 // L (row-major, below the diagonal) and 1/Δ of M = L Δ Lᵀ.
 template <int nv> [[gnu::always_inline]] inline bool factorise(const double *mass, double *factor, double *inverse) {
+  if constexpr (nv == 3)
+    return factoriseThree(mass, factor, inverse);
   double rest[nv][nv];
   for (int i = 0; i < nv; ++i)
     for (int j = 0; j <= i; ++j)
@@ -57,6 +75,13 @@ template <int nv> [[gnu::always_inline]] inline void addSlip(const SmallSystem::
 
 // A x = b by elimination with partial pivoting; b is the last column. False: a pivot is zero.
 template <int count> [[gnu::always_inline]] inline bool eliminate(double (&a)[count][count + 1], double *x, double &determinant) {
+  if constexpr (count == 2) {
+    determinant = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    const double inverse = 1 / determinant;
+    x[0] = (a[0][2] * a[1][1] - a[0][1] * a[1][2]) * inverse;
+    x[1] = (a[0][0] * a[1][2] - a[0][2] * a[1][0]) * inverse;
+    return std::abs(determinant) > 0;
+  }
   determinant = 1;
   for (int k = 0; k < count; ++k) {
     int best = k;
