@@ -1,5 +1,7 @@
 #include "runtime/contact/force_set.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -138,8 +140,11 @@ void ForceSet::weighEquations() {
     const double factor = equations_.slipFactor(rows_, j);
     weight_[equations_.position(owner)] += factor * factor;
   }
-  for (double &w : weight_)
-    w = std::sqrt(w);
+  inverseWeight_.resize(k);
+  for (int c = 0; c < k; ++c) {
+    weight_[c] = std::sqrt(weight_[c]);
+    inverseWeight_[c] = 1 / weight_[c];
+  }
 }
 
 // Divided by the length of the row.
@@ -147,14 +152,13 @@ void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
   const int k = activeCount();
   double *normal = polyhedron.normal(r);
   equations_.assembleRow(rows_, r, normal);
-  double squares = 0;
-  for (int c = 0; c < k; ++c) {
-    normal[c] /= weight_[c];
-    squares += normal[c] * normal[c];
-  }
-  length_[r] = squares > 0 ? std::sqrt(squares) : 1.0;
   for (int c = 0; c < k; ++c)
-    normal[c] /= length_[r];
+    normal[c] *= inverseWeight_[c];
+  const double squares = denseDot(normal, normal, k);
+  length_[r] = squares > 0 ? std::sqrt(squares) : 1.0;
+  const double inverse = 1 / length_[r];
+  for (int c = 0; c < k; ++c)
+    normal[c] *= inverse;
   polyhedron.bound(r) = unknown_[r] / length_[r];
 }
 

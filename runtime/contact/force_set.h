@@ -90,7 +90,7 @@ private:
   std::vector<ForceLimit> limits_;
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
-  std::vector<double> offset_, fixed_, unknown_, weight_, forces_, accelerations_;
+  std::vector<double> offset_, fixed_, unknown_, weight_, inverseWeight_, forces_, accelerations_;
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
   DenseMatrix matrix_;
   double forceScale_ = 0;
