@@ -112,6 +112,8 @@ bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double ban
   markRests(from, step, band, rests);
   bringToRest(rests);
   for (int i = 0; i < n; ++i) {
+    if (rests[i] && from[i] == 0)
+      continue;  // held by others
     const double change = (velocity[i] - from[i]) / step;
     restitution.advance(i, from[i], change, step, restitution.exhaustion(i, from[i], change) <= step);
   }
