@@ -11,11 +11,12 @@ inline std::atomic<long> allocations{0};
 
 }  // namespace tf::runtime::test
 
-void *operator new(std::size_t size) {
+// Not inlined: GCC would see the memory of one function given back by another's part.
+[[gnu::noinline]] void *operator new(std::size_t size) {
   ++tf::runtime::test::allocations;
   if (void *memory = std::malloc(size > 0 ? size : 1))
     return memory;
   throw std::bad_alloc();
 }
-void operator delete(void *memory) noexcept { std::free(memory); }
-void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void *memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void *memory, std::size_t) noexcept { std::free(memory); }
