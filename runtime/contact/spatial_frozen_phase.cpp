@@ -344,7 +344,6 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
     }
     if (!passCrowd(forced, found))
       return fail(FrozenStatus::Cycle);
-    dropTraces();
     if (forced < 0 && !anyPushes())
       break;
     if (found ? !choose(forced) : !evaluate())
