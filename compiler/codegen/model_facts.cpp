@@ -1,6 +1,7 @@
 #include "compiler/codegen/model_facts.h"
 
 #include "compiler/ir/sweep.h"
+#include "runtime/abi/tf_model.h"
 
 #include <algorithm>
 #include <cassert>
@@ -63,6 +64,60 @@ MassStructure massStructure(const HybridSystem &system) {
     result.rows.push_back(static_cast<int>(result.columns.size()));
   }
   return result;
+}
+
+namespace {
+
+// Of every node; operands come before what they are operands of.
+std::vector<int> variationOfNodes(const ir::Graph &graph) {
+  std::vector<int> all(static_cast<std::size_t>(graph.size()), 0);
+  for (ir::NodeId id = 0; id < graph.size(); ++id) {
+    const ir::Node &node = graph[id];
+    int &own = all[static_cast<std::size_t>(id)];
+    if (node.op == ir::Op::Symbol)
+      own = node.symbol.kind == ir::SymbolKind::Time    ? TF_VARIES_WITH_TIME
+            : node.symbol.kind == ir::SymbolKind::Input ? TF_VARIES_WITH_INPUTS
+                                                        : 0;
+    for (int j = 0; j < node.arity; ++j)
+      own |= all[static_cast<std::size_t>(node.operands[j])];
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<int> variation(const HybridSystem &system) {
+  const std::vector<int> all = variationOfNodes(system.graph);
+  int forces = 0;
+  const auto of = [&all](ir::NodeId node) { return node < 0 ? 0 : all[static_cast<std::size_t>(node)]; };
+  const auto add = [&](const std::vector<ir::NodeId> &nodes) {
+    for (const ir::NodeId node : nodes)
+      forces |= of(node);
+  };
+  std::vector<int> result;
+  result.reserve(system.contacts.size() + system.tangents.size() + system.switches.size() + 1);
+  for (const Contact &contact : system.contacts) {
+    result.push_back(of(contact.gap));
+    forces |= of(contact.bias) | of(contact.friction);
+    add(contact.normal);
+  }
+  for (const TangentRow &row : system.tangents) {
+    result.push_back(of(row.slip));
+    forces |= of(row.bias);
+    add(row.jacobian);
+  }
+  for (const SwitchingFunction &entry : system.switches)
+    result.push_back(of(entry.condition));
+  for (const FrictionElement &element : system.frictions)
+    forces |= of(element.bound);
+  for (const ConstraintRow &row : system.constraintRows) {
+    forces |= of(row.bias);
+    add(row.jacobian);
+  }
+  for (const auto *nodes : {&system.mass, &system.massProduct, &system.contactForce, &system.force, &system.stateDerivatives})
+    add(*nodes);
+  result.push_back(forces);
+  return std::ranges::all_of(result, [](int bits) { return bits == 0; }) ? std::vector<int>() : result;
 }
 
 }  // namespace tf::codegen

@@ -19,4 +19,7 @@ struct MassStructure {
 };
 [[nodiscard]] MassStructure massStructure(const HybridSystem &system);
 
+// tf_model::variation: bits of tf_variation for each gap, slip and condition, then for the forces. Empty where nothing varies.
+[[nodiscard]] std::vector<int> variation(const HybridSystem &system);
+
 }  // namespace tf::codegen

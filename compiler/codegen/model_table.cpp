@@ -146,6 +146,14 @@ std::array<llvm::Constant *, 2> massTables(const HybridSystem &system, TableBuil
   return {build.table(rows, "mass_rows"), build.table(columns, "mass_columns")};
 }
 
+// Null where nothing varies.
+llvm::Constant *variationTable(const HybridSystem &system, TableBuilder &build) {
+  Constants entries;
+  for (const int bits : variation(system))
+    entries.push_back(build.integer(bits));
+  return entries.empty() ? build.null() : build.table(entries, "variation");
+}
+
 llvm::Constant *given(const std::optional<double> &value, TableBuilder &build) {
   return build.number(value.value_or(std::numeric_limits<double>::quiet_NaN()));
 }
@@ -176,6 +184,7 @@ void emitModelTable(const HybridSystem &system, const SourceManager &sources, co
   fields.push_back(build.integer(massIsConstant(system) ? 1 : 0));
   for (llvm::Constant *table : massTables(system, build))
     fields.push_back(table);
+  fields.push_back(variationTable(system, build));
   const flat::Experiment &experiment = system.experiment;
   for (const auto &value : {experiment.startTime, experiment.stopTime, experiment.tolerance, experiment.interval})
     fields.push_back(given(value, build));

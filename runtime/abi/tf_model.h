@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 7u
+#define TF_ABI_VERSION 8u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -173,6 +173,9 @@ typedef struct tf_switch {
   tf_location location;
 } tf_switch;
 
+/* On what a function depends explicitly. */
+enum tf_variation { TF_VARIES_WITH_TIME = 1, TF_VARIES_WITH_INPUTS = 2 };
+
 typedef struct tf_model {
   uint32_t magic, abi_version;
   const char *name, *description;
@@ -195,6 +198,9 @@ typedef struct tf_model {
   /* Entries of M below the diagonal that may differ from zero: mass_columns[mass_rows[i]] ... mass_columns[mass_rows[i + 1] - 1] of row i,
      ascending. mass_rows: nv + 1; null where all entries may. */
   const int32_t *mass_rows, *mass_columns;
+  /* What varies beside the state, by the bits of tf_variation: gaps [nc], slips [nt], c [ns], then one entry for everything that contact
+     forces and sliding step variables follow from (f, z', M, the contact terms and the constraints' rows). Null where nothing does. */
+  const int32_t *variation;
   double start_time, stop_time, tolerance, interval; /* of annotation(experiment); NaN where not given */
 
   /* in: P. out: 0 values [np] of bound parameters out of the others. */

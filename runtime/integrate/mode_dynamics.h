@@ -38,6 +38,8 @@ struct Guard {
   int index = 0;  // contact, margin, tangential row, pair of SlipDirections, or switch
   double sign = 1;
   double scale = 1;  // magnitude below 1e-12 · scale is rounding
+  // It depends on time, or on inputs that change, beside the state: error control of the state does not resolve it.
+  bool varies = false;
 };
 
 enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged, NegativeFriction };
@@ -94,8 +96,9 @@ public:
   [[nodiscard]] double guardValue(int guard);
   // d/dt of the Gap guards at that point (NaN for the others).
   void guardRates(double *rates) const;
-  // The least value of a Force guard at the evaluations since restartMargins().
+  // The least and the largest value of a Force guard at the evaluations since restartMargins().
   [[nodiscard]] double leastMargin(int guard) const { return leastMargins_[guards_[guard].index]; }
+  [[nodiscard]] double largestMargin(int guard) const { return largestMargins_[guards_[guard].index]; }
   void restartMargins();
   // Values and rates of Gap and Slip guards at the model's point, wherever the dynamics has been evaluated last (zero for the others).
   void switchingValues(double *values, double *rates);
@@ -162,6 +165,7 @@ private:
   bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
   void buildGuards();
+  [[nodiscard]] bool varies(const Guard &guard) const;
   void recordMargins();
 
   ModelEvaluation &at_;
@@ -186,7 +190,7 @@ private:
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;
-  std::vector<double> leastMargins_;  // of forces_
+  std::vector<double> leastMargins_, largestMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
   double tauRate_ = 1;
   long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none

@@ -8,18 +8,25 @@
 
 namespace tf::runtime {
 
-void ModeDynamics::restartMargins() { std::fill(leastMargins_.begin(), leastMargins_.end(), std::numeric_limits<double>::infinity()); }
+void ModeDynamics::restartMargins() {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  std::fill(leastMargins_.begin(), leastMargins_.end(), infinity);
+  std::fill(largestMargins_.begin(), largestMargins_.end(), -infinity);
+}
 
 void ModeDynamics::recordMargins() {
   const auto values = isFolded_ ? folded_.marginValues() : forces_.marginValues();
-  for (std::size_t k = 0; k < leastMargins_.size(); ++k)
+  for (std::size_t k = 0; k < leastMargins_.size(); ++k) {
     leastMargins_[k] = std::min(leastMargins_[k], values[k]);
+    largestMargins_[k] = std::max(largestMargins_[k], values[k]);
+  }
 }
 
 void ModeDynamics::buildGuards() {
   const tf_model &model = at_.model();
   guards_.clear();
   leastMargins_.assign(rows_.count() > 0 ? forces_.margins().size() : 0, -std::numeric_limits<double>::infinity());
+  largestMargins_.assign(leastMargins_.size(), std::numeric_limits<double>::infinity());
   for (int i = 0; i < model.nc; ++i)
     if (!mode_.closed[i])
       guards_.push_back({GuardKind::Gap, i, 1, model.contacts[i].nominal});
@@ -44,6 +51,32 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
     }
   }
+  if (model.variation != nullptr)
+    for (Guard &guard : guards_)
+      guard.varies = varies(guard);
+}
+
+bool ModeDynamics::varies(const Guard &guard) const {
+  const tf_model &model = at_.model();
+  const int all = TF_VARIES_WITH_TIME | (at_.hasConstantInputs() ? 0 : TF_VARIES_WITH_INPUTS);
+  const std::int32_t *slips = model.variation + model.nc, *conditions = slips + model.nt;
+  const int ofForces = conditions[model.ns];
+  switch (guard.kind) {
+  case GuardKind::Gap:
+    return (model.variation[guard.index] & all) != 0;
+  case GuardKind::Slip:
+    return (slips[guard.index] & all) != 0;
+  case GuardKind::SlipAlong:
+    return ((slips[slips_.modelRow(guard.index)] | slips[slips_.modelRow(guard.index) + 1]) & all) != 0;
+  case GuardKind::Condition:
+    return (conditions[guard.index] & all) != 0;
+  case GuardKind::Force:
+    return (ofForces & all) != 0;
+  case GuardKind::StepLow:
+  case GuardKind::StepHigh:
+    return ((conditions[guard.index] | ofForces) & all) != 0;
+  }
+  return false;
 }
 
 double ModeDynamics::readGuard(const Guard &guard) const {

@@ -70,6 +70,8 @@ public:
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
   [[nodiscard]] const double *parameters() const { return in_[TF_IN_P]; }
   [[nodiscard]] double time() const { return time_; }
+  // No input changes within the segment.
+  [[nodiscard]] bool hasConstantInputs() const { return constantInputs_; }
   // Counts the calls of setParameters.
   [[nodiscard]] long long parameterRevision() const { return parameterRevision_; }
 

@@ -1,5 +1,7 @@
 #include "runtime/simulate/event_detection.h"
 
+#include "runtime/simulate/cubic_hermite.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,50 +19,6 @@ constexpr double rounding = 1e-12;
 constexpr double located = 1e-6;
 
 constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
-
-// Cubic Hermite interpolant on [0, h] at s in [0, 1].
-double hermite(double a, double da, double b, double db, double h, double s) {
-  const double r = 1 - s;
-  return r * r * (1 + 2 * s) * a + s * s * (3 - 2 * s) * b + h * s * r * (r * da - s * db);
-}
-
-// The interpolant's least value inside (0, 1), infinity where it has no interior minimum.
-double hermiteMinimum(double a, double da, double b, double db, double h) {
-  // Derivative (in s): 3 p s² + 2 q s + r.
-  const double p = 2 * (a - b) + h * (da + db);
-  const double q = 3 * (b - a) - h * (2 * da + db);
-  const double r = h * da;
-  const double discriminant = q * q - 3 * p * r;
-  if (discriminant < 0)
-    return std::numeric_limits<double>::infinity();
-  const double root = std::sqrt(discriminant);
-  // The minimum is the root where the second derivative is positive.
-  const double s = q + root != 0 ? -r / (q + root) : std::numeric_limits<double>::infinity();
-  if (!(s > 0 && s < 1))
-    return std::numeric_limits<double>::infinity();
-  return hermite(a, da, b, db, h, s);
-}
-
-// The slope of the interpolant by s.
-double hermiteSlope(double a, double da, double b, double db, double h, double s) {
-  return 6 * s * (1 - s) * (b - a) + h * ((1 - s) * (1 - 3 * s) * da + s * (3 * s - 2) * db);
-}
-
-// The place in (0, 1) where the interpolant falls through zero for the last time before its end, which is negative and falling: Newton's
-// method from there, to 1e-10 or so. −1: it does not converge.
-double hermiteZero(double a, double da, double b, double db, double h) {
-  double s = 1;
-  for (int k = 0; k < 12; ++k) {
-    const double slope = hermiteSlope(a, da, b, db, h, s);
-    const double step = -hermite(a, da, b, db, h, s) / slope;
-    if (!(slope < 0) || !(s + step > 0) || !(s + step <= 1))
-      return -1;
-    s += step;
-    if (std::abs(step) <= 1e-5)
-      return s;
-  }
-  return -1;
-}
 
 }  // namespace
 
@@ -156,6 +114,7 @@ void EventDetection::restart(double time, double speedOfRounding) {
   const std::size_t count = dynamics_.guards().size();
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
+  varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
   start_.assign(count, std::numeric_limits<double>::infinity());
   cut_ = false;
   startTime_ = time;
@@ -275,7 +234,7 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   const bool falls = dynamics_.guards()[guard].kind == GuardKind::Gap && opens && high.rate[guard] < 0;
   if (falls) {
     const double h = high.time - low.time;
-    const double place = hermiteZero(atLow, low.rate[guard], atHigh, high.rate[guard], h);
+    const double place = CubicHermite{atLow, low.rate[guard], atHigh, high.rate[guard], h}.lastZero();
     const double tangent = high.time - atHigh / high.rate[guard];
     newtonZero(guard, zero, place > 0 ? low.time + place * h : std::max(tangent, 0.5 * (low.time + high.time)), event);
   }
@@ -300,7 +259,7 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps
   bool dips = false;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
     const int guard = static_cast<int>(k);
-    if (onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap)
+    if ((onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap) || isSampled(guard))
       continue;
     if (a.value[k] > threshold(guard))
       armed_[k] = Arming::ByValue;
@@ -323,11 +282,11 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
   bool again = false;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
     const int guard = static_cast<int>(k);
-    if (!mayDip(guard, a, b))
+    if (isSampled(guard) || !mayDip(guard, a, b))
       continue;
-    const double error = std::abs(hermite(a.value[k], a.rate[k], b.value[k], b.rate[k], h, 0.5) - middle.value[k]);
-    const double left = hermiteMinimum(a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h);
-    const double right = hermiteMinimum(middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h);
+    const double error = std::abs(CubicHermite{a.value[k], a.rate[k], b.value[k], b.rate[k], h}.value(0.5) - middle.value[k]);
+    const double left = CubicHermite{a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h}.interiorMinimum();
+    const double right = CubicHermite{middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h}.interiorMinimum();
     // The cubics on the halves are about sixteen times better than the one on the whole.
     again = again || middle.value[k] < 0 || std::min({left, right, middle.value[k]}) < 0.25 * error || left < 0 || right < 0;
   }
@@ -342,7 +301,8 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
 void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
   const double h = b.time - a.time;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    if (dynamics_.guards()[k].kind == GuardKind::Gap || armed_[k] == Arming::Not || !(middle.value[k] >= 0) || b.value[k] < 0)
+    if (dynamics_.guards()[k].kind == GuardKind::Gap || isSampled(static_cast<int>(k)) || armed_[k] == Arming::Not ||
+        !(middle.value[k] >= 0) || b.value[k] < 0)
       continue;
     const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
     const double slope = b.value[k] - a.value[k];
@@ -402,19 +362,21 @@ bool EventDetection::examineCubics(DetectedEvent &first) {
   const std::size_t count = dynamics_.guards().size();
   const double h = end_.time - begin_.time;
   for (std::size_t k = 0; k < count; ++k)
-    if (dynamics_.guards()[k].kind != GuardKind::Gap || armed_[k] == Arming::Not)
+    if (!isSampled(static_cast<int>(k)) && (dynamics_.guards()[k].kind != GuardKind::Gap || armed_[k] == Arming::Not))
       return false;
   if (!sampleInside(begin_.time + place * h, false, inner_[0]))
     return false;
   for (std::size_t k = 0; k < count; ++k) {
+    if (isSampled(static_cast<int>(k)))
+      continue;
     const double a = begin_.value[k], b = end_.value[k], da = begin_.rate[k], db = end_.rate[k];
     const double size = std::max({std::abs(a), std::abs(b), h * std::abs(da), h * std::abs(db)});
-    if (!(std::abs(hermite(a, da, b, db, h, place) - inner_[0].value[k]) <= accepted * size))
+    if (!(std::abs(CubicHermite{a, da, b, db, h}.value(place) - inner_[0].value[k]) <= accepted * size))
       return false;
   }
   first = {};
   for (std::size_t k = 0; k < count; ++k)
-    if (!cubicZero(static_cast<int>(k), first))
+    if (!isSampled(static_cast<int>(k)) && !cubicZero(static_cast<int>(k), first))
       return false;
   return true;
 }
@@ -427,17 +389,17 @@ bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
   if (opens && !(da > 0 && a >= -threshold(guard)))
     return false;
   if (b - zero >= 0) {
-    const double least = hermiteMinimum(a, da, b, db, h);
+    const double least = CubicHermite{a, da, b, db, h}.interiorMinimum();
     return std::min(least, b) - zero > threshold(guard) || (least == std::numeric_limits<double>::infinity() && b - zero > 0);
   }
-  const double place = db < 0 ? hermiteZero(opens ? 0 : a - zero, da, b - zero, db, h) : -1;
+  const double place = db < 0 ? CubicHermite{opens ? 0 : a - zero, da, b - zero, db, h}.lastZero() : -1;
   // The cubic is positive all the way to there if it rises at its begin or falls from a positive value, and bends down only.
   const double bend = 6 * (b - a) - 2 * h * (2 * da + db), bendAtEnd = 6 * (a - b) + 2 * h * (da + 2 * db);
   if (!(place > 1e-3) || bend > 0 || bendAtEnd > 0)
     return false;
   const double time = begin_.time + place * h;
   if (first.guard < 0 || time < first.time)
-    first = {guard, time, begin_.time, end_.time, hermiteSlope(a, da, b, db, h, place) / h};
+    first = {guard, time, begin_.time, end_.time, CubicHermite{a, da, b, db, h}.slope(place) / h};
   return true;
 }
 
@@ -450,9 +412,12 @@ DetectedEvent EventDetection::detect() {
   first_.time = std::numeric_limits<double>::quiet_NaN();
   // The dynamics' last evaluation is at the end of the step.
   readGuards(integrator_->endTime(), end_);
+  samplesVarying_ = samplesVarying();
   bool quiet = true, steady = true;
   for (std::size_t k = 0; k < armed_.size(); ++k) {
     const int guard = static_cast<int>(k);
+    if (isSampled(guard))
+      continue;
     const GuardKind kind = dynamics_.guards()[k].kind;
     if (kind == GuardKind::Force)
       steady = steady && isSteady(guard);
@@ -463,10 +428,12 @@ DetectedEvent EventDetection::detect() {
   }
   // Long steps may turn a body round: their ends tell nothing.
   quiet = quiet && (!integrator_->isExactInside() || intervalCount() == 2);
-  if ((quiet && steady) || examineCubics(first))
-    return first;
-  first = {};
-  examineSamples(!steady, first);
+  if (!(quiet && steady) && !examineCubics(first)) {
+    first = {};
+    examineSamples(!steady, first);
+  }
+  if (samplesVarying_)
+    examineVarying(first);
   return first;
 }
 

@@ -47,6 +47,11 @@ private:
     std::vector<double> value, rate;
   };
 
+  // Of one guard.
+  struct Probe {
+    double time = 0, value = 0, rate = 0;
+  };
+
   void readGuards(double time, Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] bool isFar(int guard) const;
@@ -70,6 +75,15 @@ private:
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
   double guardHere(int guard, double time);
+  // event_sampling.cpp
+  Probe probe(int guard, double time);
+  bool isSteadyForce(int guard);
+  [[nodiscard]] bool samplesVarying();
+  [[nodiscard]] bool isSampled(int guard) const { return samplesVarying_ && dynamics_.guards()[guard].varies; }
+  void examineVarying(DetectedEvent &first);
+  void divide(int guard, const Probe &a, const Probe &b, double coarser, int depth, DetectedEvent &first);
+  void bracketProbes(int guard, const Probe &low, const Probe &high, DetectedEvent &first);
+  // event_location.cpp
   double expected();
   bool endsNearby(DetectedEvent &event);
   bool moveInside(DetectedEvent &event);
@@ -84,8 +98,13 @@ private:
   double startTime_ = 0;  // where the mode began
   std::vector<double> start_, startRate_;
   bool needsForces_ = false;
-  bool watched_ = false;  // a gap has not left zero yet
-  bool cut_ = false;      // see isCut
+  bool varies_ = false;          // a guard does (Guard::varies)
+  bool samplesVarying_ = false;  // event_sampling.cpp looks for the zeros of those in this step
+  double probeStep_ = 0;         // of differences of guards
+  int divisions_ = 0;            // of the step, for one guard
+  double limit_ = 0;             // later zeros are not looked for
+  bool watched_ = false;         // a gap has not left zero yet
+  bool cut_ = false;             // see isCut
   double cutTime_ = 0;
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero

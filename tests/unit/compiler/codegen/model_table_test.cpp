@@ -51,7 +51,10 @@ protected:
     system.tangents.resize(3);
     system.constraints = {{"loop", span, 0, 2, false, 0.25}};
     system.constraintRows.resize(2);
-    system.switches = {{"x >= 0", span, -1, TF_SWITCH_CONTINUOUS, true}};
+    const ir::NodeId signal = g.mul(g.symbol(ir::SymbolKind::Input, 0), p0);
+    system.switches = {{"x >= 0", span, g.add(signal, g.symbol(ir::SymbolKind::Time)), TF_SWITCH_CONTINUOUS, true}};
+    system.tangents[1].slip = g.add(g.symbol(ir::SymbolKind::Velocity, 0), g.unary(ir::Op::Cos, g.symbol(ir::SymbolKind::Time)));
+    system.frictions[0].bound = signal;
     system.outputs = {p0};
     system.experiment.stopTime = 2.5;
   }
@@ -71,6 +74,9 @@ protected:
     EXPECT_EQ(m.mass_is_constant, 1);
     EXPECT_EQ((std::vector(m.mass_rows, m.mass_rows + 6)), (std::vector{0, 0, 1, 1, 3, 3}));
     EXPECT_EQ((std::vector(m.mass_columns, m.mass_columns + 3)), (std::vector{0, 0, 2}));
+    // One gap, three slips, one condition, the forces.
+    EXPECT_EQ((std::vector(m.variation, m.variation + 6)),
+              (std::vector<int>{0, 0, TF_VARIES_WITH_TIME, 0, TF_VARIES_WITH_TIME | TF_VARIES_WITH_INPUTS, TF_VARIES_WITH_INPUTS}));
     EXPECT_TRUE(std::isnan(m.start_time) && std::isnan(m.tolerance) && std::isnan(m.interval));
     EXPECT_EQ(m.stop_time, 2.5);
     EXPECT_EQ((std::vector(m.parameters, m.parameters + 4)), (std::vector{1.5, 0.0, 0.0, -0.25}));

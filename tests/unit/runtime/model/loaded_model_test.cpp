@@ -71,7 +71,7 @@ TEST_F(Loading, RefusesOtherFiles) {
   EXPECT_EQ(reason(sample("other")), "it is a shared library, but not a compiled model");
   EXPECT_EQ(reason(sample("next_symbol")), "it was compiled for another version of the interface of compiled models; compile it again");
   EXPECT_EQ(reason(sample("newer")),
-            "the model was compiled for version 8 of the interface of compiled models, this program has version 7; compile it again");
+            "the model was compiled for version 9 of the interface of compiled models, this program has version 8; compile it again");
   EXPECT_EQ(reason(sample("unmarked")), "not a compiled model: its table does not begin with the mark of one");
   EXPECT_EQ(reason(sample("incomplete")), "the compiled model is damaged: a function is missing");
 }

@@ -1,0 +1,142 @@
+// Zeros of guards that vary with time or inputs beside the state, as the slip on a belt that shakes: the step's error does not tell how
+// often they change their sign inside it. Samples on the interpolant do, with their rates: an interval is divided until the cubic through
+// its ends predicts what is found inside.
+#include "runtime/simulate/event_detection.h"
+
+#include "runtime/simulate/cubic_hermite.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+// Where an interval is divided: no period of what is sampled has a simple ratio to it.
+constexpr double division = 0.4619397662556434;
+// Divisions: the smallest intervals are some 1e-8 of the step.
+constexpr int deepest = 30;
+// Divisions for one guard in one step, so that rounding errors of a guard that stays at zero do not take for ever.
+constexpr int most = 100000;
+// Differences for the rates, in parts of the step; times that differ by less are not told apart well enough.
+constexpr double difference = 1e-6, roundingOfTimes = 4096 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+// On the interpolant; rates of all but gaps by differences towards the inside of the step.
+EventDetection::Probe EventDetection::probe(int guard, double time) {
+  Probe result{time, guardInside(guard, time), 0};
+  if (const Guard &g = dynamics_.guards()[guard]; g.kind == GuardKind::Gap) {
+    result.rate = dynamics_.model().gapRate[g.index];
+    return result;
+  }
+  const double step = time + probeStep_ <= integrator_->endTime() ? probeStep_ : -probeStep_;
+  result.rate = (guardInside(guard, time + step) - result.value) / step;
+  return result;
+}
+
+// Of a force: whether its values at the stages of the method, or at one place and by the rate there, show that it hardly changes.
+bool EventDetection::isSteadyForce(int guard) {
+  constexpr double small = 0.2;
+  double least = std::min(begin_.value[guard], end_.value[guard]), most = std::max(begin_.value[guard], end_.value[guard]);
+  double change = 0;
+  if (dynamics_.guards()[guard].kind == GuardKind::Force && integrator_->samplesInside()) {
+    least = std::min(least, dynamics_.leastMargin(guard));
+    most = std::max(most, dynamics_.largestMargin(guard));
+  } else {
+    const Probe inside = probe(guard, begin_.time + division * (end_.time - begin_.time));
+    least = std::min(least, inside.value);
+    most = std::max(most, inside.value);
+    change = std::abs(inside.rate) * (end_.time - begin_.time);
+  }
+  return armed_[guard] != Arming::Not && least > 0 && most - least <= small * least && change <= small * least;
+}
+
+// So short a step that rates cannot be told resolves all that varies.
+bool EventDetection::samplesVarying() {
+  const double h = end_.time - begin_.time;
+  probeStep_ = std::max(difference * h, roundingOfTimes * std::abs(end_.time));
+  return varies_ && 100 * probeStep_ <= h;
+}
+
+void EventDetection::examineVarying(DetectedEvent &first) {
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+    const int guard = static_cast<int>(k);
+    const GuardKind kind = dynamics_.guards()[k].kind;
+    const bool isForce = kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh;
+    if (!dynamics_.guards()[k].varies || (isForce && isSteadyForce(guard)))
+      continue;
+    DetectedEvent own;
+    divisions_ = 0;
+    limit_ = first.guard >= 0 ? first.time : std::numeric_limits<double>::infinity();
+    const Probe a = probe(guard, begin_.time), b = probe(guard, end_.time);
+    divide(guard, a, b, std::numeric_limits<double>::infinity(), 0, own);
+    // It falls from its start, which is a zero, not only by the interpolant's error there.
+    if (own.guard < 0 && a.value <= threshold(guard) && a.rate < 0 && b.value < level(guard))
+      bracketProbes(guard, a, b, own);
+    if (own.guard >= 0 && (first.guard < 0 || own.time < first.time))
+      first = own;
+  }
+}
+
+// The first zero between two samples. `coarser`: misfit of the interval that this one is a part of.
+void EventDetection::divide(int guard, const Probe &a, const Probe &b, double coarser, int depth, DetectedEvent &first) {
+  const double h = b.time - a.time;
+  const CubicHermite whole{a.value, a.rate, b.value, b.rate, h};
+  const Probe inside = probe(guard, a.time + division * h);
+  const double misfit = std::max(std::abs(whole.value(division) - inside.value), std::abs(whole.slope(division) - h * inside.rate));
+  if (!std::isfinite(misfit))
+    return;
+  // Cubics on the parts have at most 0.54⁴ of the error of the one on the whole, which has as much of the one before: what is not resolved
+  // fits by chance, but not twice, and not to a part of what the rates could do.
+  const double error = std::max(0.3 * misfit, 0.1 * coarser);
+  const double reach = h * std::max({std::abs(a.rate), std::abs(inside.rate), std::abs(b.rate)});
+  const bool isResolved = misfit <= 0.02 * reach;
+  const bool isFinest = depth >= deepest || ++divisions_ > most;
+  const double leave = threshold(guard);
+  if (std::max(a.value, inside.value) > leave)
+    armed_[guard] = Arming::ByValue;
+  for (const auto &[low, high] : {std::pair{&a, &inside}, std::pair{&inside, &b}}) {
+    if (low->time >= limit_)
+      return;
+    const CubicHermite part{low->value, low->rate, high->value, high->rate, high->time - low->time};
+    const double interior = part.interiorMinimum(), lowest = std::min({low->value, high->value, interior});
+    const double zero = level(guard);
+    // From a zero the guard must rise.
+    const double least = std::abs(low->value) <= leave && low->rate > 0 ? part.leastSecant() : lowest - zero;
+    if ((isResolved && least > error) || lowest - zero > 5 * (reach + misfit))
+      continue;
+    // Below zero, if the guard has been positive; else clearly.
+    const bool falls = high->value < zero && (zero < 0 || low->value > leave || high->value < -leave);
+    const bool isOnlyZero = isResolved && low->value > 0.1 * part.length * low->rate &&
+                            error <= 0.1 * std::max(std::abs(low->value), std::abs(high->value)) && (zero < 0 || low->value > leave) &&
+                            !(interior < zero);
+    if (falls && (isOnlyZero || isFinest)) {
+      bracketProbes(guard, *low, *high, first);
+      return;
+    }
+    // What is no more than rounding, or hardly changes, has no zero that could be told.
+    const double change = std::max(part.length * std::max(std::abs(low->rate), std::abs(high->rate)), error);
+    if (isFinest || change <= 0.01 * leave || std::max({std::abs(low->value), std::abs(high->value), change}) <= leave)
+      continue;
+    divide(guard, *low, *high, misfit, depth + 1, first);
+    if (first.guard >= 0)
+      return;
+  }
+}
+
+void EventDetection::bracketProbes(int guard, const Probe &low, const Probe &high, DetectedEvent &first) {
+  const auto fill = [this, guard](const Probe &from, Sample &sample) {
+    sample.time = from.time;
+    sample.value.resize(dynamics_.guards().size());
+    sample.rate.resize(dynamics_.guards().size());
+    sample.value[guard] = from.value;
+    sample.rate[guard] = from.rate;
+  };
+  fill(low, pool_[0]);
+  fill(high, pool_[1]);
+  bracket(guard, pool_[0], pool_[1], first);
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,234 @@
+// Switches whose conditions vary much faster than the state: between two of them the state hardly changes, so that a step may be long.
+#include "tests/accuracy/compiled_model.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <gtest/gtest.h>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace tf::test {
+namespace {
+
+constexpr tf_integrator integrators[] = {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE};
+constexpr double pi = 3.14159265358979323846;
+
+double bisect(const std::function<double(double)> &function, double low, double high) {
+  const bool rises = function(low) < 0;
+  for (int k = 0; k < 80; ++k)
+    ((function(0.5 * (low + high)) < 0) == rises ? low : high) = 0.5 * (low + high);
+  return low;
+}
+
+void expectTimes(CompiledModel &model, const std::vector<double> &expected, double allowed) {
+  ASSERT_EQ(model.events().size(), expected.size());
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    EXPECT_NEAR(model.events()[k].time, expected[k], allowed) << k;
+}
+
+// Zeros of v − V cos(ω t) where friction cannot hold the belt's acceleration: v changes at the constant rate ∓F/m between them.
+std::vector<double> reversals(double speed, double frequency, double deceleration, double end) {
+  std::vector<double> times;
+  double time = 0, v = 0;
+  for (double side = -1;; side = -side) {
+    const auto relative = [&](double t) { return side * (v - side * deceleration * (t - time) - speed * std::cos(frequency * t)); };
+    double high = time + 1e-3 / frequency;
+    while (relative(high) > 0)
+      high += 0.01 / frequency;
+    const double zero = bisect(relative, high - 0.01 / frequency, high);
+    if (zero > end)
+      return times;
+    v -= side * deceleration * (zero - time);
+    time = zero;
+    times.push_back(time);
+  }
+}
+
+TEST(FastGuards, BeltThatShakesUnderAFreeBody) {
+  for (const double frequency : {300.0, 100 * pi, 2000.0}) {
+    const std::vector<double> expected = reversals(0.2, frequency, 3, 1);
+    EXPECT_GT(expected.size(), 90U);
+    for (const tf_integrator integrator : integrators) {
+      SCOPED_TRACE(std::to_string(frequency) + ", integrator " + std::to_string(integrator));
+      CompiledModel model(sourceFile("shaken_belt.tf", R"(
+model Shaken
+  parameter Real om = 300;
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  friction f(slip = der(x) - 0.2*cos(om*time), bound = 3);
+end Shaken;
+)"),
+                          {{"om", frequency}});
+      model.tolerance(1e-9).integrator(integrator).initialise();
+      model.advance(1);
+      expectTimes(model, expected, 1e-8);
+    }
+  }
+}
+
+TEST(FastGuards, NarrowPulsesOfTime) {
+  // 400 t in (π/2 ∓ acos 0.99) + 2πk.
+  const double half = std::acos(0.99);
+  std::vector<double> expected;
+  for (int k = 0; 2 * pi * k + pi / 2 + half < 400; ++k)
+    for (const double side : {-1.0, 1.0})
+      expected.push_back((pi / 2 + 2 * pi * k + side * half) / 400);
+  const double duration = 0.5 * static_cast<double>(expected.size()) * 2 * half / 400;
+  for (const tf_integrator integrator : integrators) {
+    SCOPED_TRACE("integrator " + std::to_string(integrator));
+    CompiledModel model(sourceFile("pulses.tf", R"(
+model Pulses
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  force f(value = if sin(400*time) > 0.99 then 1 else 0, at = x);
+end Pulses;
+)"));
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(1);
+    expectTimes(model, expected, 1e-9);
+    EXPECT_NEAR(model["der(x)"], duration, 1e-9);
+  }
+}
+
+// Frequencies, phases and levels at random: no coincidence of samples hides a switch.
+TEST(FastGuards, SignalsAtRandomAreAllSeen) {
+  CompiledModel model(sourceFile("signal_at_random.tf", R"(
+model Random
+  parameter Real om = 1, phase = 0, level = 0;
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  force f(value = if sin(om*time + phase) > level then 1 else -1, at = x);
+end Random;
+)"));
+  std::mt19937_64 generator(1);
+  const auto random = [&generator] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
+  for (int run = 0; run < 300; ++run) {
+    const double frequency = 5 * std::pow(1000, random()), phase = 2 * pi * random(), level = 1.98 * random() - 0.99;
+    SCOPED_TRACE(std::to_string(frequency) + " " + std::to_string(phase) + " " + std::to_string(level));
+    tf_set(model.simulation(), "om", frequency);
+    tf_set(model.simulation(), "phase", phase);
+    tf_set(model.simulation(), "level", level);
+    model.tolerance(1e-8).integrator(integrators[run % 4]).initialise();
+    model.advance(1);
+    // sin rises through the level at asin(level) + 2πk and falls through it at π − asin(level) + 2πk.
+    const auto passed = [&](double angle) {
+      return std::floor((frequency + phase - angle) / (2 * pi)) - std::floor((phase - angle) / (2 * pi));
+    };
+    EXPECT_EQ(static_cast<double>(model.events().size()), passed(std::asin(level)) + passed(pi - std::asin(level)));
+  }
+}
+
+// The switch depends on the state too, which creeps behind a signal that oscillates: x = 0.1 t + a little.
+TEST(FastGuards, ConditionOfTimeAndState) {
+  for (const tf_integrator integrator : integrators) {
+    SCOPED_TRACE("integrator " + std::to_string(integrator));
+    CompiledModel model(sourceFile("behind.tf", R"(
+model Behind
+  coordinate Real x(der(start = 0.1));
+  body b(mass = 1, position = x);
+  force f(value = if x < sin(100*time) - 0.5 then 0.01 else 0, at = x);
+end Behind;
+)"));
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(3);
+    std::vector<double> expected;
+    double time = 0, x = 0, v = 0.1, force = 0;
+    const auto moved = [&](double t) { return x + v * (t - time) + 0.5 * force * (t - time) * (t - time); };
+    for (double t = 1e-4; t < 3; t += 1e-4) {
+      const auto condition = [&](double s) { return std::sin(100 * s) - 0.5 - moved(s); };
+      if ((condition(t) > 0) == (force > 0))
+        continue;
+      const double zero = bisect(condition, t - 1e-4, t);
+      x = moved(zero);
+      v += force * (zero - time);
+      time = zero;
+      force = force > 0 ? 0 : 0.01;
+      expected.push_back(zero);
+    }
+    EXPECT_GT(expected.size(), 80U);
+    expectTimes(model, expected, 1e-8);
+  }
+}
+
+// While a body sticks its state does not change at all; each pull that exceeds the friction moves it.
+TEST(FastGuards, PullsThatExceedFrictionForInstants) {
+  // m v' = F0 sin(ω t) − F while it slides: it starts at sin(ω t) = F/F0 and stops where its velocity is zero again.
+  const double frequency = 300, bound = 0.9, start = std::asin(bound) / frequency;
+  const auto velocity = [&](double t) { return (std::cos(frequency * start) - std::cos(frequency * t)) / frequency - bound * (t - start); };
+  const double stop = bisect(velocity, pi / 2 / frequency + 1e-4, pi / frequency);
+  const double way = (std::cos(frequency * start) + bound * frequency * start) / frequency * (stop - start) -
+                     (std::sin(frequency * stop) - std::sin(frequency * start)) / (frequency * frequency) -
+                     0.5 * bound * (stop * stop - start * start);
+  for (const tf_integrator integrator : integrators) {
+    SCOPED_TRACE("integrator " + std::to_string(integrator));
+    CompiledModel model(sourceFile("pulled.tf", R"(
+model Pulled
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  force pull(value = max(0, sin(300*time)), at = x);
+  friction f(slip = der(x), bound = 0.9);
+end Pulled;
+)"));
+    model.tolerance(1e-10).integrator(integrator).initialise();
+    model.advance(1);
+    int slips = 0, sticks = 0;
+    for (const Event &event : model.events()) {
+      slips += event.kind == TF_EVENT_SLIP;
+      sticks += event.kind == TF_EVENT_STICK;
+    }
+    // 300 t passes π/2 + 2πk for the last time in the period that begins at 47 · 2π.
+    EXPECT_EQ(slips, 48);
+    EXPECT_EQ(sticks, 48);
+    EXPECT_NEAR(model["x"], 48 * way, 1e-8);
+  }
+}
+
+// A floor that shakes under a body which flies by: it is hit where the floor is high.
+TEST(FastGuards, FloorThatShakes) {
+  // y = 1 − g t²/2 over 0.01 sin(1000 t).
+  const auto gap = [](double t) { return 1 - 0.5 * 9.81 * t * t - 0.01 * std::sin(1000 * t); };
+  double first = 0.4;
+  while (gap(first) > 0)
+    first += 1e-5;
+  first = bisect(gap, first - 1e-5, first);
+  for (const tf_integrator integrator : integrators) {
+    SCOPED_TRACE("integrator " + std::to_string(integrator));
+    CompiledModel model(sourceFile("shaking_floor.tf", R"(
+model ShakingFloor
+  coordinate Real y(start = 1);
+  body b(mass = 1, position = y);
+  force weight(value = -9.81, at = y);
+  contact c(gap = y - 0.01*sin(1000*time), restitution = 1);
+end ShakingFloor;
+)"));
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(0.46);
+    ASSERT_FALSE(model.events().empty());
+    EXPECT_NEAR(model.events()[0].time, first, 1e-9);
+  }
+}
+
+// An input that is a fast function of time reaches a condition.
+TEST(FastGuards, ConditionOfAnInput) {
+  for (const tf_integrator integrator : integrators) {
+    SCOPED_TRACE("integrator " + std::to_string(integrator));
+    CompiledModel model(sourceFile("signal.tf", R"(
+model Signal
+  input Real u;
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  force f(value = if u > x + 0.9 then 1 else 0, at = x);
+end Signal;
+)"));
+    const auto signal = [](void * /*data*/, double time, double /*segment*/) { return std::sin(500 * time); };
+    tf_set_input_callback(model.simulation(), "u", signal, nullptr, nullptr);
+    model.tolerance(1e-9).integrator(integrator).initialise();
+    model.advance(0.2);
+    EXPECT_EQ(model.events().size(), 32U);
+  }
+}
+
+}  // namespace
+}  // namespace tf::test
