@@ -18,7 +18,7 @@ constexpr double division = 0.4619397662556434;
 // Divisions: the smallest intervals are some 1e-8 of the step.
 constexpr int deepest = 30;
 // Divisions for one guard in one step, so that rounding errors of a guard that stays at zero do not take for ever.
-constexpr int most = 100000;
+constexpr int mostDivisions = 100000;
 // Differences for the rates, in parts of the step; times that differ by less are not told apart well enough.
 constexpr double difference = 1e-6, roundingOfTimes = 4096 * std::numeric_limits<double>::epsilon();
 
@@ -93,7 +93,7 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
   const double error = std::max(0.3 * misfit, 0.1 * coarser);
   const double reach = h * std::max({std::abs(a.rate), std::abs(inside.rate), std::abs(b.rate)});
   const bool isResolved = misfit <= 0.02 * reach;
-  const bool isFinest = depth >= deepest || ++divisions_ > most;
+  const bool isFinest = depth >= deepest || ++divisions_ > mostDivisions;
   const double leave = threshold(guard);
   if (std::max(a.value, inside.value) > leave)
     armed_[guard] = Arming::ByValue;
