@@ -39,11 +39,13 @@ double EventDetection::threshold(int guard) const {
 }
 
 // Where a hop begins and ends: zero, but for a gap that starts clearly below it.
-double EventDetection::hopBase(int guard) const { return start_[guard] < -rounding * dynamics_.guards()[guard].scale ? start_[guard] : 0; }
+double EventDetection::hopBase(int guard) const {
+  return starts_[guard].value < -rounding * dynamics_.guards()[guard].scale ? starts_[guard].value : 0;
+}
 
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
 double EventDetection::level(int guard) const {
-  switch (armed_[guard]) {
+  switch (starts_[guard].armed) {
   case Arming::ByValue:
     return 0;
   case Arming::BySpeed:
@@ -51,16 +53,16 @@ double EventDetection::level(int guard) const {
   case Arming::Not:
     break;
   }
-  return std::min(start_[guard], 0.0) - threshold(guard);
+  return std::min(starts_[guard].value, 0.0) - threshold(guard);
 }
 
 // A gap that leaves zero at a tiny speed returns before it can be told from rounding; the integral of its rate (trapezoidal rule, exact for
 // a ballistic hop) shows it all the same.
 double EventDetection::hop(int guard, double time, double gap, double rate) const {
   const double scale = dynamics_.guards()[guard].scale, base = hopBase(guard);
-  if (!startsToRounding_ || start_[guard] > rounding * scale || std::abs(gap - base) > rounding * scale)
+  if (!startsToRounding_ || starts_[guard].value > rounding * scale || std::abs(gap - base) > rounding * scale)
     return gap;
-  const double integral = 0.5 * (time - startTime_) * (startRate_[guard] + rate);
+  const double integral = 0.5 * (time - starts_[guard].time) * (starts_[guard].rate + rate);
   return std::abs(integral) <= 10 * rounding * scale ? base + integral : gap;
 }
 
@@ -115,25 +117,31 @@ void EventDetection::restart(double time, double speedOfRounding) {
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
   varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
-  start_.assign(count, std::numeric_limits<double>::infinity());
   cut_ = false;
-  startTime_ = time;
+  starts_.assign(count, {Arming::Not, time, std::numeric_limits<double>::infinity(), 0});
   readGuards(time, begin_);
-  start_ = begin_.value;
-  startRate_ = begin_.rate;
-  armed_.assign(count, Arming::Not);
   // A gap that opens at a speed needs no distance to be taken for open.
   for (std::size_t k = 0; k < count; ++k) {
     const double least = threshold(static_cast<int>(k));
     const bool opens =
         startsToRounding_ ? begin_.rate[k] > speedOfRounding : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
-    armed_[k] = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
+    starts_[k].armed = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
+    starts_[k].value = begin_.value[k];
+    starts_[k].rate = begin_.rate[k];
   }
+}
+
+// Gaps are the first guards of a mode, and the same ones with any choice of directions and forces.
+void EventDetection::resume(double time, double speedOfRounding) {
+  resumed_ = starts_;
+  restart(time, speedOfRounding);
+  for (std::size_t k = 0; k < starts_.size() && dynamics_.guards()[k].kind == GuardKind::Gap; ++k)
+    starts_[k] = resumed_[k];
 }
 
 void EventDetection::watchStart() {
   watched_ = false;
-  for (std::size_t k = 0; k < armed_.size(); ++k)
+  for (std::size_t k = 0; k < starts_.size(); ++k)
     watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(static_cast<int>(k)));
   integrator_->setCareful(watched_);
 }
@@ -230,7 +238,7 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near; where the
   // start is not followed to rounding, the gap must be known to have opened.
-  const bool opens = armed_[guard] != Arming::Not || startsToRounding_;
+  const bool opens = starts_[guard].armed != Arming::Not || startsToRounding_;
   const bool falls = dynamics_.guards()[guard].kind == GuardKind::Gap && opens && high.rate[guard] < 0;
   if (falls) {
     const double h = high.time - low.time;
@@ -246,7 +254,7 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
 
 // A gap that may come near zero between the samples: its own rates could take it there.
 bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
-  if (dynamics_.guards()[guard].kind != GuardKind::Gap || armed_[guard] == Arming::Not)
+  if (dynamics_.guards()[guard].kind != GuardKind::Gap || starts_[guard].armed == Arming::Not)
     return false;
   const double h = b.time - a.time;
   const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
@@ -262,7 +270,7 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps
     if ((onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap) || isSampled(guard))
       continue;
     if (a.value[k] > threshold(guard))
-      armed_[k] = Arming::ByValue;
+      starts_[k].armed = Arming::ByValue;
     if (b.value[k] < level(guard))
       bracket(guard, a, b, first);
     dips = dips || mayDip(guard, a, b);
@@ -301,7 +309,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
 void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
   const double h = b.time - a.time;
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    if (dynamics_.guards()[k].kind == GuardKind::Gap || isSampled(static_cast<int>(k)) || armed_[k] == Arming::Not ||
+    if (dynamics_.guards()[k].kind == GuardKind::Gap || isSampled(static_cast<int>(k)) || starts_[k].armed == Arming::Not ||
         !(middle.value[k] >= 0) || b.value[k] < 0)
       continue;
     const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
@@ -328,14 +336,14 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
 // A gap that the step cannot have closed, by its rates at both ends.
 bool EventDetection::isFar(int guard) const {
   const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
-  return armed_[guard] != Arming::Not &&
+  return starts_[guard].armed != Arming::Not &&
          std::min(begin_.value[guard], end_.value[guard]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)});
 }
 
 // A force that dips nowhere in the step where the method has evaluated it.
 bool EventDetection::isSteady(int guard) const {
   const double least = dynamics_.leastMargin(guard);
-  return armed_[guard] != Arming::Not && integrator_->samplesInside() && least > 0 &&
+  return starts_[guard].armed != Arming::Not && integrator_->samplesInside() && least > 0 &&
          least > 0.5 * std::min(begin_.value[guard], end_.value[guard]);
 }
 
@@ -362,7 +370,7 @@ bool EventDetection::examineCubics(DetectedEvent &first) {
   const std::size_t count = dynamics_.guards().size();
   const double h = end_.time - begin_.time;
   for (std::size_t k = 0; k < count; ++k)
-    if (!isSampled(static_cast<int>(k)) && (dynamics_.guards()[k].kind != GuardKind::Gap || armed_[k] == Arming::Not))
+    if (!isSampled(static_cast<int>(k)) && (dynamics_.guards()[k].kind != GuardKind::Gap || starts_[k].armed == Arming::Not))
       return false;
   if (!sampleInside(begin_.time + place * h, false, inner_[0]))
     return false;
@@ -414,7 +422,7 @@ DetectedEvent EventDetection::detect() {
   readGuards(integrator_->endTime(), end_);
   samplesVarying_ = samplesVarying();
   bool quiet = true, steady = true;
-  for (std::size_t k = 0; k < armed_.size(); ++k) {
+  for (std::size_t k = 0; k < starts_.size(); ++k) {
     const int guard = static_cast<int>(k);
     if (isSampled(guard))
       continue;
@@ -458,14 +466,14 @@ void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
 }
 
 void EventDetection::advance() {
-  for (std::size_t k = 0; k < armed_.size(); ++k)
+  for (std::size_t k = 0; k < starts_.size(); ++k)
     if (end_.value[k] > threshold(static_cast<int>(k)))
-      armed_[k] = Arming::ByValue;
+      starts_[k].armed = Arming::ByValue;
   std::swap(begin_, end_);
   if (!watched_)
     return;
   watched_ = false;
-  for (std::size_t k = 0; k < armed_.size(); ++k)
+  for (std::size_t k = 0; k < starts_.size(); ++k)
     watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= 1e3 * threshold(static_cast<int>(k)));
   integrator_->setCareful(watched_);
 }

@@ -25,6 +25,8 @@ public:
   // A new mode begins at `time`, in the state of the dynamics' last evaluation.
   // Gaps that start at zero with a larger rate than `speedOfRounding` are open.
   void restart(double time, double speedOfRounding);
+  // A step was cut short and the mode goes on, with another choice of directions or of redundant forces: gaps stay as open as they were.
+  void resume(double time, double speedOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
   // Where the next step should end at the latest: `limit`, or right behind an event that is expected before it.
@@ -92,11 +94,14 @@ private:
 
   ModeDynamics &dynamics_;
   SmoothIntegrator *integrator_ = nullptr;
-  // Whether the guard is known to be open in this mode: because it rises from its start, or because it has been clearly positive.
+  // Whether a guard is known to be open in this mode: because it rises from its start, or because it has been clearly positive.
   enum class Arming : std::uint8_t { Not, BySpeed, ByValue };
-  std::vector<Arming> armed_;
-  double startTime_ = 0;  // where the mode began
-  std::vector<double> start_, startRate_;
+  // How a guard has begun.
+  struct Start {
+    Arming armed = Arming::Not;
+    double time = 0, value = 0, rate = 0;
+  };
+  std::vector<Start> starts_, resumed_;
   bool needsForces_ = false;
   bool varies_ = false;          // a guard does (Guard::varies)
   bool samplesVarying_ = false;  // event_sampling.cpp looks for the zeros of those in this step

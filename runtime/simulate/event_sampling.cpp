@@ -50,7 +50,7 @@ bool EventDetection::isSteadyForce(int guard) {
     most = std::max(most, inside.value);
     change = std::abs(inside.rate) * (end_.time - begin_.time);
   }
-  return armed_[guard] != Arming::Not && least > 0 && most - least <= small * least && change <= small * least;
+  return starts_[guard].armed != Arming::Not && least > 0 && most - least <= small * least && change <= small * least;
 }
 
 // So short a step that rates cannot be told resolves all that varies.
@@ -96,7 +96,7 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
   const bool isFinest = depth >= deepest || ++divisions_ > mostDivisions;
   const double leave = threshold(guard);
   if (std::max(a.value, inside.value) > leave)
-    armed_[guard] = Arming::ByValue;
+    starts_[guard].armed = Arming::ByValue;
   for (const auto &[low, high] : {std::pair{&a, &inside}, std::pair{&inside, &b}}) {
     if (low->time >= limit_)
       return;

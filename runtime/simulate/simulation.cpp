@@ -43,10 +43,22 @@ void Simulation::Implementation::startIntegrator() {
   startCurrent();
 }
 
+// The same, but the mode is the one before.
+void Simulation::Implementation::resumeIntegrator() {
+  integrators_.useForNewMode();
+  detection_.setIntegrator(integrators_.current());
+  detection_.resume(time_, 0.5 * selection_.velocityTolerance(state_.data()));
+  launch();
+}
+
 void Simulation::Implementation::startCurrent() {
-  SmoothIntegrator &integrator = integrators_.current();
-  detection_.setIntegrator(integrator);
+  detection_.setIntegrator(integrators_.current());
   detection_.restart(time_, 0.5 * selection_.velocityTolerance(state_.data()));
+  launch();
+}
+
+void Simulation::Implementation::launch() {
+  SmoothIntegrator &integrator = integrators_.current();
   integrator.start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_.watchStart();
 }
@@ -211,7 +223,7 @@ bool Simulation::Implementation::skipTo(double limit) {
   time_ = limit;
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return false;
-  startIntegrator();
+  resumeIntegrator();
   return true;
 }
 

@@ -263,7 +263,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
     dynamics_.renewDirections(time_, state_.data());
     dynamics_.evaluate(time_, state_.data(), rate_.data());
-    startIntegrator();
+    resumeIntegrator();
     return TF_OK;
   }
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.isPole(event.guard))
@@ -503,7 +503,7 @@ tf_status Simulation::Implementation::endStep(double next) {
   dynamics_.renewDirections(time_, state_.data());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  startIntegrator();
+  resumeIntegrator();
   return TF_OK;
 }
 

@@ -92,6 +92,8 @@ private:
   tf_status settleStart();
   void startCurrent();
   void startIntegrator();
+  void resumeIntegrator();
+  void launch();
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();

@@ -61,6 +61,9 @@ TEST(RandomScenes, WhereACornerBouncesBesideOneThatHardlyMoves) { expectGood({11
 
 TEST(RandomScenes, WhereOnlyFrictionHoldsTwoSpheres) { expectGood({45984}); }
 
+// A gap that is within its tolerance of zero goes on falling while the slip of another contact turns.
+TEST(RandomScenes, WhereACornerBouncesLowBesideOneThatTurns) { expectGood({7728}); }
+
 TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 8068, 9720, 16072}); }
 
 }  // namespace
