@@ -1,8 +1,11 @@
 #include "runtime/contact/jam.h"
 
+#include "runtime/contact/mode_equations.h"
+
 #include <Eigen/Dense>
 
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace tf::runtime {
@@ -14,27 +17,23 @@ constexpr double jammed = 1e-3;
 // Rows whose own acceleration, the others at rest, has lost more than this are taken for redundant.
 constexpr double redundant = 1e-9;
 
-std::vector<int> activeRows(const ContactProblem &problem, const ContactMode &mode) {
-  std::vector<int> rows;
-  rows.reserve(problem.count());
-  for (int row = 0; row < problem.count(); ++row)
-    if (row < problem.normalCount || mode.slip[row - problem.normalCount] == 0)
-      rows.push_back(row);
-  return rows;
-}
-
-// The accelerations of the rows by forces of the rows (columns): alone, or with the friction of their contacts' slips.
-Eigen::MatrixXd accelerations(const ContactProblem &problem, const std::vector<int> &rows, const ContactMode *slips) {
-  const auto count = static_cast<Eigen::Index>(rows.size());
-  Eigen::MatrixXd result(count, count);
-  for (Eigen::Index c = 0; c < count; ++c)
-    for (Eigen::Index r = 0; r < count; ++r) {
-      result(r, c) = problem.delassus(rows[r], rows[c]);
-      for (int j = 0; slips != nullptr && j < problem.tangentCount; ++j)
-        if (problem.owner[j] == rows[c] && slips->slip[j] != 0)
-          result(r, c) -= slips->slip[j] * problem.friction[j] * problem.delassus(rows[r], problem.normalCount + j);
-    }
-  return result;
+// The accelerations of the active rows by forces of the active rows, with `friction` of the slips [m]: the normal rows come first.
+Eigen::MatrixXd accelerations(const ContactProblem &problem, const ContactMode &mode, const std::vector<double> &friction) {
+  const ContactRowData rows{.normalCount = problem.normalCount,
+                            .tangentCount = problem.tangentCount,
+                            .delassus = &problem.delassus,
+                            .bias = problem.bias.data(),
+                            .owner = problem.owner.data(),
+                            .friction = friction.data(),
+                            .offset = problem.bound.data()};
+  std::vector<std::uint8_t> active(problem.count(), 1);
+  for (int j = 0; j < problem.tangentCount; ++j)
+    active[problem.normalCount + j] = mode.slip[j] == 0;
+  ModeEquations equations;
+  equations.setMode(rows, active.data(), mode.slip.data());
+  DenseMatrix matrix;
+  equations.assemble(rows, matrix);
+  return matrix.map();
 }
 
 // 1/(A⁻¹)_ii: the acceleration of a row by its own force while forces of the others keep theirs zero.
@@ -43,10 +42,10 @@ Eigen::VectorXd ownAccelerations(const Eigen::MatrixXd &matrix) { return matrix.
 }  // namespace
 
 int jammedNormal(const ContactProblem &problem, const ContactMode &mode) {
-  const std::vector<int> rows = activeRows(problem, mode);
   if (problem.normalCount == 0)
     return -1;
-  const Eigen::MatrixXd free = accelerations(problem, rows, nullptr), slipping = accelerations(problem, rows, &mode);
+  const std::vector<double> none(problem.tangentCount, 0.0);
+  const Eigen::MatrixXd free = accelerations(problem, mode, none), slipping = accelerations(problem, mode, problem.friction);
   Eigen::VectorXd own = ownAccelerations(free), left = ownAccelerations(slipping);
   // Forces of redundant rows are not unique: each contact is looked at alone.
   if (!(own.array() > redundant * free.diagonal().array()).all()) {

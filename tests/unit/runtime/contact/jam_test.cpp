@@ -45,11 +45,24 @@ TEST(Jam, SlipsOfTwoContactsPressEachOtherIn) {
 }
 
 TEST(Jam, SticksTakePart) {
-  // The stick of the second contact takes the slip's effect of the first on it away: the rows left are those of the first alone.
-  Pair pair(0, 0, 1, 1.9999);
-  pair.problem.slipSign[1] = 0;
-  pair.mode.slip[1] = 0;
-  EXPECT_EQ(jammedNormal(pair.problem, pair.mode), -1);
+  // One contact that slips, μ = 1.9, and a friction element. Alone D_s = 2 − 1.9 = 0.1 of 2; while the element sticks, its force takes
+  // 1 − 1.9·0.4737 = 0.09997 of it and leaves 3e-5 of 1.
+  ContactProblem problem;
+  ContactMode mode;
+  problem.resize(1, 2);
+  mode.resize(1, 2);
+  problem.owner = {0, -1};
+  problem.friction = {1.9, 0};
+  problem.bound = {0, 1};
+  const double delassus[3][3] = {{2, 1, 1}, {1, 3, 0.4737}, {1, 0.4737, 1}};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      problem.delassus(r, c) = delassus[r][c];
+  mode.closed = {1};
+  mode.slip = {1, 0};
+  EXPECT_EQ(jammedNormal(problem, mode), 0);
+  mode.slip = {1, 1};
+  EXPECT_EQ(jammedNormal(problem, mode), -1);
 }
 
 TEST(Jam, RedundantContactsAreLookedAtAlone) {
