@@ -9,6 +9,9 @@ namespace tf::runtime {
 
 namespace {
 
+// k1 … k12, dy/dt at the end, and the three stages of the dense output.
+constexpr std::size_t stageCount = 12, storedCount = 16, coefficientCount = 7;
+
 constexpr double nodes[] = {0,
                             0.0526001519587677318785587544488,
                             0.0789002279381515978178381316732,
@@ -90,38 +93,9 @@ constexpr double dense[4][16] = {
      0.96324553959188282948394950600e+02, -0.39177261675615439165231486172e+02, -0.14972683625798562581422125276e+03},
 };
 
-// Σ w_j k_j[i] over the stages whose weight in a row of the table is not zero, in their order.
-template <const auto &table, std::size_t row, std::size_t... j>
-[[gnu::always_inline]] inline double weightedSum(const double *k, int n, int i, std::index_sequence<j...> /*stages*/) {
-  double sum = 0;
-  const auto add = [&]<std::size_t stage>(std::integral_constant<std::size_t, stage>) {
-    if constexpr (table[row][stage] != 0)
-      sum += table[row][stage] * k[static_cast<std::ptrdiff_t>(stage) * n + i];
-  };
-  (add(std::integral_constant<std::size_t, j>{}), ...);
-  return sum;
-}
-
 }  // namespace
 
-DormandPrince8::DormandPrince8(int size)
-    : ElementMethod(size), stages_(static_cast<std::size_t>(size) * (stageCount + 1 + extraCount)), point_(size),
-      dense_(static_cast<std::size_t>(size) * coefficientCount), begin_(size) {}
-
-// y = begin + h Σ weights_j k_j over the first `count` stages.
-template <const auto &table, std::size_t row, std::size_t count> void DormandPrince8::combine(double *y) const {
-  const double *k = stages_.data();
-  for (int i = 0; i < n_; ++i)
-    y[i] = begin_[i] + h_ * weightedSum<table, row>(k, n_, i, std::make_index_sequence<count>());
-}
-
-template <std::size_t... s> bool DormandPrince8::solveStages(ModeDynamics &dynamics, std::index_sequence<s...> /*stages*/) {
-  const auto solveStage = [&]<std::size_t number>(std::integral_constant<std::size_t, number>) {
-    combine<weights, number, number>(point_.data());
-    return dynamics.evaluate(t0_ + nodes[number] * h_, point_.data(), stage(number));
-  };
-  return (solveStage(std::integral_constant<std::size_t, s + 1>{}) && ...);
-}
+DormandPrince8::DormandPrince8(int size) : ExplicitMethod(size, stageCount, storedCount, coefficientCount, 6.1) {}
 
 // The error is the estimate of order 5, damped by the one of order 3 (II.10); of each component, so that the ratio of one does not vouch
 // for others.
@@ -129,13 +103,8 @@ bool DormandPrince8::solve(ModeDynamics &dynamics, double t0, const double *y0, 
                            double /*accuracy*/) {
   dynamics_ = &dynamics;
   t0_ = t0;
-  h_ = h;
-  hasDense_ = false;
-  for (int i = 0; i < n_; ++i) {
-    begin_[i] = y0[i];
-    stages_[i] = f0[i];
-  }
-  if (!solveStages(dynamics, std::make_index_sequence<stageCount - 1>()))
+  beginStep(y0, f0, h);
+  if (!solveStages<nodes, weights>(dynamics, t0, std::make_index_sequence<stageCount - 1>()))
     return false;
   combine<result, 0, stageCount>(end_.data());
   // The rate at the end serves the next step as well: it is to be that of the projected state.
@@ -152,55 +121,19 @@ bool DormandPrince8::solve(ModeDynamics &dynamics, double t0, const double *y0, 
   return true;
 }
 
-template <std::size_t... s> bool DormandPrince8::solveExtraStages(std::index_sequence<s...> /*stages*/) const {
-  const auto solveStage = [&]<std::size_t number>(std::integral_constant<std::size_t, number>) {
-    constexpr std::size_t count = stageCount + 1 + number;
-    combine<extra, number, count>(point_.data());
-    return dynamics_->evaluate(t0_ + extraNodes[number] * h_, point_.data(), stage(count));
-  };
-  return (solveStage(std::integral_constant<std::size_t, s>{}) && ...);
-}
-
 void DormandPrince8::makeDense() const {
-  hasDense_ = true;
-  constexpr std::size_t count = stageCount + 1 + extraCount;
-  const bool good = solveExtraStages(std::make_index_sequence<extraCount>());
+  const bool good = solveStage<extraNodes, extra, 0, stageCount + 1>(*dynamics_, t0_) &&
+                    solveStage<extraNodes, extra, 1, stageCount + 2>(*dynamics_, t0_) &&
+                    solveStage<extraNodes, extra, 2, stageCount + 3>(*dynamics_, t0_);
   // The caller's last evaluation is that at the end.
   dynamics_->evaluate(t0_ + h_, end_.data(), point_.data());
-  const double *k = stages_.data();
-  for (int i = 0; i < n_; ++i) {
-    double *c = dense_.data() + static_cast<std::ptrdiff_t>(i) * coefficientCount;
-    c[0] = end_[i] - begin_[i];
-    c[1] = h_ * k[i] - c[0];
-    c[2] = c[0] - h_ * endRate_[i] - c[1];
-    c[3] = good ? h_ * weightedSum<dense, 0>(k, n_, i, std::make_index_sequence<count>()) : 0;
-    c[4] = good ? h_ * weightedSum<dense, 1>(k, n_, i, std::make_index_sequence<count>()) : 0;
-    c[5] = good ? h_ * weightedSum<dense, 2>(k, n_, i, std::make_index_sequence<count>()) : 0;
-    c[6] = good ? h_ * weightedSum<dense, 3>(k, n_, i, std::make_index_sequence<count>()) : 0;
-  }
+  makeCoefficients<dense, storedCount>(good, std::make_index_sequence<4>());
 }
 
 void DormandPrince8::interpolate(double theta, double *y) const {
   if (!hasDense_)
     makeDense();
-  const double rest = 1 - theta;
-  for (int i = 0; i < n_; ++i) {
-    const double *c = dense_.data() + static_cast<std::ptrdiff_t>(i) * coefficientCount;
-    y[i] = begin_[i] + theta * (c[0] + rest * (c[1] + theta * (c[2] + rest * (c[3] + theta * (c[4] + rest * (c[5] + theta * c[6]))))));
-  }
+  evaluateDense<coefficientCount>(theta, y);
 }
-
-double DormandPrince8::stabilityRatio() const {
-  double rates = 0, states = 0;
-  const double *last = stage(stageCount - 1);
-  for (int i = 0; i < n_; ++i) {
-    rates += (endRate_[i] - last[i]) * (endRate_[i] - last[i]);
-    states += (end_[i] - point_[i]) * (end_[i] - point_[i]);
-  }
-  constexpr double border = 6.1;
-  return states > 0 ? std::abs(h_) * std::sqrt(rates / states) / border : 0;
-}
-
-double DormandPrince8::errorNorm(const double *scale, double tolerance) const { return largestError(scale) / tolerance; }
 
 }  // namespace tf::runtime

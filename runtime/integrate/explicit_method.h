@@ -1,0 +1,111 @@
+// What explicit Runge–Kutta methods have in common: stages, dense output and the test for stiffness (Hairer, Nørsett, Wanner, Solving
+// Ordinary Differential Equations I, II.4–II.6). Tables are template arguments, so that sums over stages have no loops and no zeros.
+#pragma once
+
+#include "runtime/integrate/element_method.h"
+
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace tf::runtime {
+
+class ExplicitMethod : public ElementMethod {
+public:
+  void restart() final {}
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const final { return largestError(scale) / tolerance; }
+  // Hairer, Wanner II, IV.2: two evaluations at the end of the step, whose states differ by the local error.
+  [[nodiscard]] double stabilityRatio() const final;
+
+protected:
+  // `stageCount`: those of the step, of which the last one is at its end; `storedCount`: all that are kept, the rate at the end and those
+  // of the dense output with them. `stabilityBorder`: of the stability region, on the negative real axis.
+  ExplicitMethod(int size, std::size_t stageCount, std::size_t storedCount, std::size_t coefficientCount, double stabilityBorder)
+      : ElementMethod(size), stages_(static_cast<std::size_t>(size) * storedCount), point_(size),
+        dense_(static_cast<std::size_t>(size) * coefficientCount), begin_(size), stageCount_(stageCount),
+        stabilityBorder_(stabilityBorder) {}
+
+  // k_(s + 1), n each.
+  [[nodiscard]] double *stage(std::size_t s) const { return stages_.data() + s * static_cast<std::size_t>(n_); }
+
+  // The step from y0 with the rate f0, which is k1.
+  void beginStep(const double *y0, const double *f0, double h);
+  // Σ w_j k_j[i] over the stages of the sequence whose weight in a row of the table is not zero, in their order.
+  template <const auto &table, std::size_t row, std::size_t... j>
+  [[gnu::always_inline]] static double weightedSum(const double *k, int n, int i, std::index_sequence<j...> stages);
+  // y = begin + h Σ weights_j k_j over the first `count` stages.
+  template <const auto &table, std::size_t row, std::size_t count> void combine(double *y) const;
+  // Stage number `count`, out of those before it, with the row's node and weights.
+  template <const auto &nodes, const auto &table, std::size_t row, std::size_t count>
+  bool solveStage(ModeDynamics &dynamics, double t0) const {
+    combine<table, row, count>(point_.data());
+    return dynamics.evaluate(t0 + nodes[row] * h_, point_.data(), stage(count));
+  }
+  // Stages 1 … of a table that has a row for each stage.
+  template <const auto &nodes, const auto &table, std::size_t... s>
+  bool solveStages(ModeDynamics &dynamics, double t0, std::index_sequence<s...> /*stages*/) const {
+    return (solveStage<nodes, table, s + 1, s + 1>(dynamics, t0) && ...);
+  }
+
+  // Coefficients of the dense output out of the first `count` stages: the cubic through both ends, and one for each row of the table (zero
+  // without it).
+  template <const auto &table, std::size_t count, std::size_t... row>
+  void makeCoefficients(bool withTable, std::index_sequence<row...> rows) const;
+  // y0 + theta (c0 + (1 − theta) (c1 + theta (c2 + (1 − theta) (c3 + …
+  template <std::size_t count> void evaluateDense(double theta, double *y) const;
+
+  mutable std::vector<double> stages_, point_, dense_;
+  mutable bool hasDense_ = false;  // the coefficients of the dense output, which are made when they are asked for
+  std::vector<double> begin_;
+  double h_ = 0;
+
+private:
+  std::size_t stageCount_;
+  double stabilityBorder_;
+};
+
+template <const auto &table, std::size_t row, std::size_t... j>
+inline double ExplicitMethod::weightedSum(const double *k, int n, int i, std::index_sequence<j...> /*stages*/) {
+  double sum = 0;
+  const auto add = [&]<std::size_t number>(std::integral_constant<std::size_t, number>) {
+    if constexpr (table[row][number] != 0)
+      sum += table[row][number] * k[static_cast<std::ptrdiff_t>(number) * n + i];
+  };
+  (add(std::integral_constant<std::size_t, j>{}), ...);
+  return sum;
+}
+
+template <const auto &table, std::size_t row, std::size_t count> void ExplicitMethod::combine(double *y) const {
+  const int n = n_;
+  const double h = h_;
+  const double *k = stages_.data(), *begin = begin_.data();
+  for (int i = 0; i < n; ++i)
+    y[i] = begin[i] + h * weightedSum<table, row>(k, n, i, std::make_index_sequence<count>());
+}
+
+template <const auto &table, std::size_t count, std::size_t... row>
+void ExplicitMethod::makeCoefficients(bool withTable, std::index_sequence<row...> /*rows*/) const {
+  const double *k = stages_.data();
+  double *c = dense_.data();
+  for (int i = 0; i < n_; ++i, c += 3 + sizeof...(row)) {
+    c[0] = end_[i] - begin_[i];
+    c[1] = h_ * k[i] - c[0];
+    c[2] = c[0] - h_ * endRate_[i] - c[1];
+    ((c[3 + row] = withTable ? h_ * weightedSum<table, row>(k, n_, i, std::make_index_sequence<count>()) : 0), ...);
+  }
+  hasDense_ = true;
+}
+
+template <std::size_t count> void ExplicitMethod::evaluateDense(double theta, double *y) const {
+  const double rest = 1 - theta;
+  for (int i = 0; i < n_; ++i) {
+    const double *c = dense_.data() + static_cast<std::size_t>(i) * count;
+    double value = c[count - 1];
+    for (std::size_t k = count - 1; k-- > 0;)
+      value = c[k] + (k % 2 == 0 ? rest : theta) * value;
+    y[i] = begin_[i] + theta * value;
+  }
+}
+
+}  // namespace tf::runtime
