@@ -1,5 +1,6 @@
 #include "tests/accuracy/compiled_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -112,6 +113,11 @@ void CompiledModel::initialise(double startTime) {
 
 void CompiledModel::advance(double time) { check(tf_step(simulation_.get(), time)); }
 
+void CompiledModel::run(double end) {
+  initialise();
+  advance(end);
+}
+
 double CompiledModel::operator[](const std::string &name) const {
   double value = std::numeric_limits<double>::quiet_NaN();
   check(tf_get_named(simulation_.get(), name.c_str(), &value));
@@ -145,6 +151,10 @@ double CompiledModel::energy() const {
   double *out[] = {&kinetic, &potential, &power};
   model().energies(in, out, nullptr);
   return kinetic + potential;
+}
+
+int CompiledModel::count(tf_event_kind kind) const {
+  return static_cast<int>(std::ranges::count_if(*events_, [kind](const Event &event) { return event.kind == kind; }));
 }
 
 double CompiledModel::eventTime(tf_event_kind kind, int number) const {

@@ -17,6 +17,8 @@ struct Event {
   int element = -1;
 };
 
+inline constexpr tf_integrator integrators[] = {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE};
+
 using Settings = std::vector<std::pair<std::string, double>>;
 
 // Path of examples/NAME.
@@ -36,6 +38,8 @@ public:
   // Throws with libtf's error text if it fails.
   void initialise(double startTime = 0);
   void advance(double time);
+  // Both: from 0 to the end.
+  void run(double end);
 
   [[nodiscard]] double operator[](const std::string &name) const;
   [[nodiscard]] double time() const { return tf_time(simulation_.get()); }
@@ -45,6 +49,7 @@ public:
   [[nodiscard]] double energy() const;
 
   [[nodiscard]] const std::vector<Event> &events() const { return *events_; }
+  [[nodiscard]] int count(tf_event_kind kind) const;
   // Time of the number-th event of a kind (from 0), NaN if there is none.
   [[nodiscard]] double eventTime(tf_event_kind kind, int number = 0) const;
   [[nodiscard]] tf_simulation *simulation() const { return simulation_.get(); }

@@ -57,8 +57,7 @@ TEST(Examples, ParticleInSpaceComesToRestOnACurve) {
   const double angle = std::atan2(2, 2 + fall), u = std::tan(angle / 2), C = slip * std::sin(angle) / (u * u);
   for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_CVODE}) {
     CompiledModel model(example("particle3d.tf"));
-    model.tolerance(1e-9).integrator(integrator).initialise();
-    model.advance(4);
+    model.tolerance(1e-9).integrator(integrator).run(4);
     EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), fall, 1e-9);
     EXPECT_NEAR(model.eventTime(TF_EVENT_STICK), fall + C / 2 * (u + u * u * u / 3), 1e-8);
     EXPECT_NEAR(model["der(q[1])"], 0, 1e-13);
@@ -69,12 +68,10 @@ TEST(Examples, ParticleInSpaceComesToRestOnACurve) {
 // All feet leave at once, each in its own direction: independent integrators agree.
 TEST(Examples, TableTurnsAsSoonAsNoForceHoldsIt) {
   CompiledModel reference(example("dragged_table.tf"));
-  reference.tolerance(1e-11).integrator(TF_STEP).initialise();
-  reference.advance(3);
+  reference.tolerance(1e-11).integrator(TF_STEP).run(3);
   for (const tf_integrator integrator : {TF_AUTO, TF_CVODE}) {
     CompiledModel model(example("dragged_table.tf"));
-    model.tolerance(1e-8).integrator(integrator).initialise();
-    model.advance(1.9);
+    model.tolerance(1e-8).integrator(integrator).run(1.9);
     EXPECT_EQ(model["foot[1].sticking"], 1);
     EXPECT_NEAR(model["psi"], 0, 1e-13);
     model.advance(3);
@@ -86,8 +83,7 @@ TEST(Examples, TableTurnsAsSoonAsNoForceHoldsIt) {
 
 TEST(Examples, ParticleRestsAtHalfTheSpeedOfTime) {
   CompiledModel model(example("particle.tf"));
-  model.tolerance(1e-9).initialise();
-  model.advance(1);
+  model.tolerance(1e-9).run(1);
   EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), std::sqrt(2 / 9.81), 1e-10);
   EXPECT_NEAR(model["tau"], 2, 1e-9);
   EXPECT_NEAR(model["q[2]"], 0, 1e-10);
@@ -100,8 +96,7 @@ TEST(Examples, ParticleLiftsOffWhereTheForceBeatsGravity) {
   CompiledModel model(example("particle.tf"), {{"mu", mu}, {"u[1]", 7}});
   const double times[] = {0, 1, 3}, forces[] = {0, 0, 4 * g};
   ASSERT_EQ(tf_set_input_table(model.simulation(), "u[2]", times, forces, 3, 1), TF_OK);
-  model.tolerance(1e-9).initialise();
-  model.advance(3);
+  model.tolerance(1e-9).run(3);
   const double t1 = std::sqrt(2 / g), v1 = 7 * t1 - mu * g * t1;
   // Sliding with 7 - mu (g - u2) to 1.5 s, then free.
   const double vLift = v1 + (7 - mu * g) * (1.5 - t1) + mu * g * 0.25;
@@ -114,8 +109,7 @@ TEST(Examples, ParticleLiftsOffWhereTheForceBeatsGravity) {
 TEST(Examples, InclineStaysOrSlidesBack) {
   for (const double mu : {0.3, 0.7}) {
     CompiledModel model(example("incline.tf"), {{"mu", mu}});
-    model.tolerance(1e-9).initialise();
-    model.advance(2);
+    model.tolerance(1e-9).run(2);
     const double g = 9.81, a = kPi / 6, up = g * (std::sin(a) + mu * std::cos(a)),
                  down = std::max(0.0, g * (std::sin(a) - mu * std::cos(a)));
     const double stop = 2 / up, back = 2 - stop;
@@ -173,8 +167,7 @@ TEST(Examples, RelaySlides) {
 
 TEST(Examples, CornerCatchesTheParticle) {
   CompiledModel model(example("corner.tf"));
-  model.tolerance(1e-9).initialise();
-  model.advance(0.3);
+  model.tolerance(1e-9).run(0.3);
   EXPECT_NEAR(model["r[1]"], 0.35, 1e-9);
   EXPECT_NEAR(model["r[2]"], 0, 1e-10);
   model.advance(1.5);

@@ -1,5 +1,5 @@
 // Switches whose conditions vary much faster than the state: between two of them the state hardly changes, so that a step may be long.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/each_integrator.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,6 @@
 namespace tf::test {
 namespace {
 
-constexpr tf_integrator integrators[] = {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE};
 constexpr double pi = 3.14159265358979323846;
 
 double bisect(const std::function<double(double)> &function, double low, double high) {
@@ -50,21 +49,16 @@ TEST(FastGuards, BeltThatShakesUnderAFreeBody) {
   for (const double frequency : {300.0, 100 * pi, 2000.0}) {
     const std::vector<double> expected = reversals(0.2, frequency, 3, 1);
     EXPECT_GT(expected.size(), 90U);
-    for (const tf_integrator integrator : integrators) {
-      SCOPED_TRACE(std::to_string(frequency) + ", integrator " + std::to_string(integrator));
-      CompiledModel model(sourceFile("shaken_belt.tf", R"(
+    SCOPED_TRACE(frequency);
+    const std::string file = sourceFile("shaken_belt.tf", R"(
 model Shaken
   parameter Real om = 300;
   coordinate Real x;
   body b(mass = 1, position = x);
   friction f(slip = der(x) - 0.2*cos(om*time), bound = 3);
 end Shaken;
-)"),
-                          {{"om", frequency}});
-      model.tolerance(1e-9).integrator(integrator).initialise();
-      model.advance(1);
-      expectTimes(model, expected, 1e-8);
-    }
+)");
+    withEachIntegrator(file, 1e-9, 1, [&](CompiledModel &model) { expectTimes(model, expected, 1e-8); }, {{"om", frequency}});
   }
 }
 
@@ -76,20 +70,17 @@ TEST(FastGuards, NarrowPulsesOfTime) {
     for (const double side : {-1.0, 1.0})
       expected.push_back((pi / 2 + 2 * pi * k + side * half) / 400);
   const double duration = 0.5 * static_cast<double>(expected.size()) * 2 * half / 400;
-  for (const tf_integrator integrator : integrators) {
-    SCOPED_TRACE("integrator " + std::to_string(integrator));
-    CompiledModel model(sourceFile("pulses.tf", R"(
+  const std::string file = sourceFile("pulses.tf", R"(
 model Pulses
   coordinate Real x;
   body b(mass = 1, position = x);
   force f(value = if sin(400*time) > 0.99 then 1 else 0, at = x);
 end Pulses;
-)"));
-    model.tolerance(1e-9).integrator(integrator).initialise();
-    model.advance(1);
+)");
+  withEachIntegrator(file, 1e-9, 1, [&](CompiledModel &model) {
     expectTimes(model, expected, 1e-9);
     EXPECT_NEAR(model["der(x)"], duration, 1e-9);
-  }
+  });
 }
 
 // Frequencies, phases and levels at random: no coincidence of samples hides a switch.
@@ -110,8 +101,7 @@ end Random;
     tf_set(model.simulation(), "om", frequency);
     tf_set(model.simulation(), "phase", phase);
     tf_set(model.simulation(), "level", level);
-    model.tolerance(1e-8).integrator(integrators[run % 4]).initialise();
-    model.advance(1);
+    model.tolerance(1e-8).integrator(integrators[run % 4]).run(1);
     // sin rises through the level at asin(level) + 2πk and falls through it at π − asin(level) + 2πk.
     const auto passed = [&](double angle) {
       return std::floor((frequency + phase - angle) / (2 * pi)) - std::floor((phase - angle) / (2 * pi));
@@ -122,17 +112,14 @@ end Random;
 
 // The switch depends on the state too, which creeps behind a signal that oscillates: x = 0.1 t + a little.
 TEST(FastGuards, ConditionOfTimeAndState) {
-  for (const tf_integrator integrator : integrators) {
-    SCOPED_TRACE("integrator " + std::to_string(integrator));
-    CompiledModel model(sourceFile("behind.tf", R"(
+  const std::string file = sourceFile("behind.tf", R"(
 model Behind
   coordinate Real x(der(start = 0.1));
   body b(mass = 1, position = x);
   force f(value = if x < sin(100*time) - 0.5 then 0.01 else 0, at = x);
 end Behind;
-)"));
-    model.tolerance(1e-9).integrator(integrator).initialise();
-    model.advance(3);
+)");
+  withEachIntegrator(file, 1e-9, 3, [&](CompiledModel &model) {
     std::vector<double> expected;
     double time = 0, x = 0, v = 0.1, force = 0;
     const auto moved = [&](double t) { return x + v * (t - time) + 0.5 * force * (t - time) * (t - time); };
@@ -149,7 +136,7 @@ end Behind;
     }
     EXPECT_GT(expected.size(), 80U);
     expectTimes(model, expected, 1e-8);
-  }
+  });
 }
 
 // While a body sticks its state does not change at all; each pull that exceeds the friction moves it.
@@ -161,28 +148,20 @@ TEST(FastGuards, PullsThatExceedFrictionForInstants) {
   const double way = (std::cos(frequency * start) + bound * frequency * start) / frequency * (stop - start) -
                      (std::sin(frequency * stop) - std::sin(frequency * start)) / (frequency * frequency) -
                      0.5 * bound * (stop * stop - start * start);
-  for (const tf_integrator integrator : integrators) {
-    SCOPED_TRACE("integrator " + std::to_string(integrator));
-    CompiledModel model(sourceFile("pulled.tf", R"(
+  const std::string file = sourceFile("pulled.tf", R"(
 model Pulled
   coordinate Real x;
   body b(mass = 1, position = x);
   force pull(value = max(0, sin(300*time)), at = x);
   friction f(slip = der(x), bound = 0.9);
 end Pulled;
-)"));
-    model.tolerance(1e-10).integrator(integrator).initialise();
-    model.advance(1);
-    int slips = 0, sticks = 0;
-    for (const Event &event : model.events()) {
-      slips += event.kind == TF_EVENT_SLIP;
-      sticks += event.kind == TF_EVENT_STICK;
-    }
+)");
+  withEachIntegrator(file, 1e-10, 1, [&](CompiledModel &model) {
     // 300 t passes π/2 + 2πk for the last time in the period that begins at 47 · 2π.
-    EXPECT_EQ(slips, 48);
-    EXPECT_EQ(sticks, 48);
+    EXPECT_EQ(model.count(TF_EVENT_SLIP), 48);
+    EXPECT_EQ(model.count(TF_EVENT_STICK), 48);
     EXPECT_NEAR(model["x"], 48 * way, 1e-8);
-  }
+  });
 }
 
 // A floor that shakes under a body which flies by: it is hit where the floor is high.
@@ -193,41 +172,35 @@ TEST(FastGuards, FloorThatShakes) {
   while (gap(first) > 0)
     first += 1e-5;
   first = bisect(gap, first - 1e-5, first);
-  for (const tf_integrator integrator : integrators) {
-    SCOPED_TRACE("integrator " + std::to_string(integrator));
-    CompiledModel model(sourceFile("shaking_floor.tf", R"(
+  const std::string file = sourceFile("shaking_floor.tf", R"(
 model ShakingFloor
   coordinate Real y(start = 1);
   body b(mass = 1, position = y);
   force weight(value = -9.81, at = y);
   contact c(gap = y - 0.01*sin(1000*time), restitution = 1);
 end ShakingFloor;
-)"));
-    model.tolerance(1e-9).integrator(integrator).initialise();
-    model.advance(0.46);
+)");
+  withEachIntegrator(file, 1e-9, 0.46, [&](CompiledModel &model) {
     ASSERT_FALSE(model.events().empty());
     EXPECT_NEAR(model.events()[0].time, first, 1e-9);
-  }
+  });
 }
 
 // An input that is a fast function of time reaches a condition.
 TEST(FastGuards, ConditionOfAnInput) {
-  for (const tf_integrator integrator : integrators) {
-    SCOPED_TRACE("integrator " + std::to_string(integrator));
-    CompiledModel model(sourceFile("signal.tf", R"(
+  const std::string file = sourceFile("signal.tf", R"(
 model Signal
   input Real u;
   coordinate Real x;
   body b(mass = 1, position = x);
   force f(value = if u > x + 0.9 then 1 else 0, at = x);
 end Signal;
-)"));
+)");
+  const auto prepare = [](const CompiledModel &model) {
     const auto signal = [](void * /*data*/, double time, double /*segment*/) { return std::sin(500 * time); };
     tf_set_input_callback(model.simulation(), "u", signal, nullptr, nullptr);
-    model.tolerance(1e-9).integrator(integrator).initialise();
-    model.advance(0.2);
-    EXPECT_EQ(model.events().size(), 32U);
-  }
+  };
+  withEachIntegrator(file, 1e-9, 0.2, [&](CompiledModel &model) { EXPECT_EQ(model.events().size(), 32U); }, {}, prepare);
 }
 
 }  // namespace

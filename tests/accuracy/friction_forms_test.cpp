@@ -100,8 +100,7 @@ TEST(PolyhedralFriction, SticksAsLongAsThePolygonHoldsTheLoad) {
     const auto moves = [&](double force, double direction) {
       CompiledModel model(puck(directions),
                           {{"speed", 0}, {"pull[1]", force * std::cos(direction)}, {"pull[2]", force * std::sin(direction)}});
-      model.tolerance(1e-9).initialise();
-      model.advance(1);
+      model.tolerance(1e-9).run(1);
       if (model["table.sticking"] != 0) {
         EXPECT_NEAR(model["table.frictionForce[1]"], -force * std::cos(direction), 1e-9);
         EXPECT_NEAR(model["table.frictionForce[2]"], -force * std::sin(direction), 1e-9);
@@ -123,8 +122,7 @@ TEST(PolyhedralFriction, ConvergesToTheDisk) {
     double worst = 0;
     for (const double angle : {0.1, 0.25, 0.4, 0.7, 1.2, 1.5}) {
       CompiledModel model(puck(directions), {{"angle", angle}});
-      model.tolerance(1e-9).initialise();
-      model.advance(4);
+      model.tolerance(1e-9).run(4);
       worst = std::max(worst, std::abs(Vector(model["q[1]"], model["q[2]"]) - std::polar(way, angle)) / way);
     }
     EXPECT_LT(worst, 0.5 * halfSide + 2 * (1 / std::cos(halfSide) - 1)) << directions;
@@ -133,13 +131,9 @@ TEST(PolyhedralFriction, ConvergesToTheDisk) {
 
 TEST(PolyhedralFriction, EventsAreThoseOfTheContact) {
   CompiledModel model(puck(4));
-  model.tolerance(1e-9).initialise();
-  model.advance(2);
-  const auto count = [&](tf_event_kind kind) {
-    return std::count_if(model.events().begin(), model.events().end(), [=](const Event &event) { return event.kind == kind; });
-  };
-  EXPECT_EQ(count(TF_EVENT_STICK), 1);
-  EXPECT_EQ(count(TF_EVENT_SLIDING), 1);
+  model.tolerance(1e-9).run(2);
+  EXPECT_EQ(model.count(TF_EVENT_STICK), 1);
+  EXPECT_EQ(model.count(TF_EVENT_SLIDING), 1);
   EXPECT_EQ(model.events().size(), 2U);
 }
 
@@ -214,8 +208,7 @@ TEST(PolyhedralFriction, TumblingBoxesKeepTheirInvariants) {
     CompiledModel model(box(2 + run % 3), settings);
     model.tolerance(1e-8);
     tf_set_energy_balance(model.simulation(), 1);
-    model.initialise();
-    model.advance(3);
+    model.run(3);
     const tf_statistics &statistics = *tf_get_statistics(model.simulation());
     EXPECT_GT(statistics.worst_gap, -1e-9) << run;
     EXPECT_GT(statistics.worst_normal_force, -1e-12) << run;

@@ -10,14 +10,11 @@
 namespace tf::test {
 namespace {
 
-constexpr tf_integrator integrators[] = {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE};
-
 double worstEnergyError(const CompiledModel &model) { return tf_get_statistics(model.simulation())->worst_energy_error; }
 
 void run(CompiledModel &model, double time) {
   tf_set_energy_balance(model.simulation(), 1);
-  model.initialise();
-  model.advance(time);
+  model.run(time);
 }
 
 TEST(MovingBoundaries, BeltThatStartsAtOnceDragsTheBody) {

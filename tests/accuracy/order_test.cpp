@@ -30,8 +30,7 @@ struct Errors {
 };
 
 Errors run(CompiledModel &model, int stages, double step) {
-  model.integrator(TF_STEP).stepOptions(stages, step).tolerance(1e-12).initialise();
-  model.advance(kEnd);
+  model.integrator(TF_STEP).stepOptions(stages, step).tolerance(1e-12).run(kEnd);
   std::vector<double> times;
   for (const Event &event : model.events()) {
     if (event.kind == TF_EVENT_STICK || event.kind == TF_EVENT_SLIP || event.kind == TF_EVENT_SLIP_REVERSAL) {

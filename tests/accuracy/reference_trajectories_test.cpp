@@ -73,8 +73,7 @@ TEST_P(ReferenceTrajectory, EveryEventIsFoundAtItsTime) {
   const Reference &reference = *GetParam().reference;
   const CsvTable events(path(reference, "_events.csv"));
   CompiledModel model(example(reference.file));
-  model.tolerance(1e-9).integrator(GetParam().integrator).initialise();
-  model.advance(model.model().stop_time);
+  model.tolerance(1e-9).integrator(GetParam().integrator).run(model.model().stop_time);
   for (std::size_t row = 1; row < events.rows(); ++row) {
     const double expected = events["t"][row];
     double nearest = INFINITY;

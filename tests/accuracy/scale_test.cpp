@@ -56,12 +56,10 @@ class ShortChain : public testing::TestWithParam<int> {};
 // Two integrators at two tolerances: the last hundredth of the energy is lost in many small impacts, so only the way down is compared.
 TEST_P(ShortChain, IsTheSameWithOtherIntegrators) {
   CompiledModel model(chainOf(GetParam()));
-  model.tolerance(1e-10).integrator(TF_EXPLICIT).initialise();
-  model.advance(0.3);
+  model.tolerance(1e-10).integrator(TF_EXPLICIT).run(0.3);
   const std::vector<double> expected = model.valuesOf(TF_KIND_COORDINATE);
   for (const tf_integrator integrator : {TF_EXPLICIT, TF_STEP}) {
-    model.tolerance(1e-7).integrator(integrator).initialise();
-    model.advance(0.3);
+    model.tolerance(1e-7).integrator(integrator).run(0.3);
     const std::vector<double> found = model.valuesOf(TF_KIND_COORDINATE);
     for (std::size_t k = 0; k < found.size(); ++k)
       EXPECT_NEAR(found[k], expected[k], 1e-5) << "integrator " << integrator << ", coordinate " << k;
@@ -76,16 +74,14 @@ TEST(LongChain, KeepsItsBalanceWhereAStraightPieceIsBent) {
   CompiledModel model(chainOf(20), {{"r[2]", 1}});
   model.tolerance(1e-9);
   ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
-  model.initialise();
-  model.advance(0.62);
+  model.run(0.62);
   EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, 1e-9);
 }
 
 // Events that are expected need no second step to end at them: nine evaluations for each choice of a mode, thirteen otherwise.
 TEST(LongChain, StepsEndWhereEventsAreExpected) {
   CompiledModel model(chainOf(20));
-  model.tolerance(1e-4).initialise();
-  model.advance(1);
+  model.tolerance(1e-4).run(1);
   const tf_statistics &statistics = *tf_get_statistics(model.simulation());
   EXPECT_GT(statistics.contact_solves, 200);
   EXPECT_LT(static_cast<double>(statistics.evaluations), 11.0 * static_cast<double>(statistics.contact_solves));
@@ -112,13 +108,11 @@ TEST(BodiesApart, MoveAsAlone) {
   ASSERT_EQ(model.nv, 3 * count);
   ASSERT_NE(model.mass_rows, nullptr);
   EXPECT_EQ(model.mass_rows[model.nv], 2 * count);  // the places of an end do not move each other, its angle moves both
-  together.tolerance(1e-10).initialise();
-  together.advance(0.8);
+  together.tolerance(1e-10).run(0.8);
   for (const int number : {1, 7, count}) {
     const std::string index = std::to_string(number);
     CompiledModel alone(sourceFile("rod" + index + ".tf", rods(number - 1, 1)));
-    alone.tolerance(1e-10).initialise();
-    alone.advance(0.8);
+    alone.tolerance(1e-10).run(0.8);
     EXPECT_NEAR(together["r[" + index + ",1]"], alone["r[1,1]"], 1e-7) << number;
     EXPECT_NEAR(together["r[" + index + ",2]"], alone["r[1,2]"], 1e-7) << number;
     EXPECT_NEAR(together["phi[" + index + "]"], alone["phi[1]"], 1e-7) << number;

@@ -25,8 +25,7 @@ TEST(Sensitivities, OfASlideAfterAnImpactAreThoseOfTheClosedForm) {
   const double h = 1, g = 9.81, mu = 0.3, v = 2, t1 = std::sqrt(2 * h / g), after = v - mu * g * t1;
   CompiledModel model(TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf", {{"mu", mu}, {"der(q[1])", v}});
   differentiateBy(model, {"mu", "q[2]", "der(q[1])", "g"});
-  model.tolerance(1e-10).initialise();
-  model.advance(1.5);
+  model.tolerance(1e-10).run(1.5);
   EXPECT_EQ(model["der(q[1])"], 0);
   EXPECT_NEAR(sensitivity(model, "q[1]", 0), -t1 * after / mu - after * after / (2 * mu * mu * g), 1e-8);
   const double byTime = v - after;  // dx/dt1
@@ -43,8 +42,7 @@ TEST(Sensitivities, OfASlideAfterAnImpactAreThoseOfTheClosedForm) {
 TEST(Sensitivities, AnInputIsAConstantAddedToIt) {
   CompiledModel model(TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf", {{"mu", 0}});
   differentiateBy(model, {"u[1]", "m"});
-  model.tolerance(1e-10).initialise();
-  model.advance(0.4);
+  model.tolerance(1e-10).run(0.4);
   EXPECT_NEAR(sensitivity(model, "q[1]", 0), 0.08, 1e-10);
   EXPECT_NEAR(sensitivity(model, "q[2]", 1), 0, 1e-10);
 }
@@ -62,8 +60,7 @@ end LevelRod;
   const double impact = std::sqrt(2 / 9.81), speed = 9.81 * impact;
   CompiledModel byHeight(file);
   differentiateBy(byHeight, {"y"});
-  byHeight.tolerance(1e-9).initialise();
-  byHeight.advance(0.6);
+  byHeight.tolerance(1e-9).run(0.6);
   // y = 0.5 v (t − t1) − g (t − t1)²/2 with v = g t1 and dt1/dh = 1/v
   const double later = 0.6 - impact;
   EXPECT_NEAR(sensitivity(byHeight, "y", 0), (0.5 * 9.81 * later - 0.5 * speed + 9.81 * later) / speed, 1e-7);
@@ -208,15 +205,13 @@ TEST_P(RunDifferences, Agree) {
   const double h = 1e-5 * std::max(1.0, std::abs(c.value));
   const auto run = [&](double value) {
     CompiledModel model(fileOf(c.file), {{c.name, value}});
-    model.tolerance(1e-12).initialise();
-    model.advance(c.time);
+    model.tolerance(1e-12).run(c.time);
     return states(model);
   };
   const std::vector<double> plus = run(c.value + h), minus = run(c.value - h), plus2 = run(c.value + 2 * h), minus2 = run(c.value - 2 * h);
   CompiledModel model(fileOf(c.file), {{c.name, c.value}});
   differentiateBy(model, {c.name});
-  model.tolerance(1e-10).initialise();
-  model.advance(c.time);
+  model.tolerance(1e-10).run(c.time);
   std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
   ASSERT_EQ(tf_get_sensitivity(model.simulation(), 0, all.data()), TF_OK) << tf_error_text(model.simulation());
   for (std::int32_t k = 0; k < model.model().variable_count; ++k) {
@@ -268,8 +263,7 @@ TEST(Sensitivities, OfTheTimeOfRestAreThoseOfTheClosedForm) {
 end Drift;
 )"));
   differentiateBy(model, {"e", "h", "c"});
-  model.tolerance(1e-10).initialise();
-  model.advance(8);
+  model.tolerance(1e-10).run(8);
   EXPECT_NEAR(model.eventTime(TF_EVENT_REST), rest, 1e-8);
   for (std::size_t column = 0; column < 3; ++column) {
     EXPECT_NEAR(sensitivity(model, "y", column), 0, 1e-9);

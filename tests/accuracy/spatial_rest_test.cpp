@@ -61,8 +61,7 @@ end BouncingParticle;
   EXPECT_NEAR(model["der(x)"], bounces.slip[0] * (1 - later * deceleration), 10 * tolerance);
   EXPECT_NEAR(model["der(y)"], bounces.slip[1] * (1 - later * deceleration) - later * gravity * std::sin(slope), 10 * tolerance);
   // Far fewer impacts than it takes to come down to rounding.
-  EXPECT_LT(std::count_if(model.events().begin(), model.events().end(), [](const Event &event) { return event.kind == TF_EVENT_IMPACT; }),
-            40);
+  EXPECT_LT(model.count(TF_EVENT_IMPACT), 40);
 }
 
 INSTANTIATE_TEST_SUITE_P(Tolerances, SpatialRest, testing::Values(1e-5, 1e-7, 1e-9));

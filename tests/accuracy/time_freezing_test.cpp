@@ -33,8 +33,7 @@ TEST(TimeFreezing, SpeedOfTimeOfAFrictionlessContact) {
   // beta = D a / (D a - phi) with D = 1/m, phi = u2/m - g.
   for (const double u2 : {0.0, 3.0, 9.0}) {
     CompiledModel model(example("particle.tf"), {{"m", 2}, {"u[2]", u2}, {"q[2]", 0}});
-    model.tolerance(1e-9).initialise();
-    model.advance(0.5);
+    model.tolerance(1e-9).run(0.5);
     const double m = 2, g = 9.81, a = m * g, D = 1 / m, phi = u2 / m - g;
     EXPECT_NEAR(timeSpeed(model), D * a / (D * a - phi), kExact);
     EXPECT_NEAR(model["floor.normalForce"], -phi / D, kExact * 20);
@@ -54,8 +53,7 @@ TEST(TimeFreezing, SpeedOfTimeOfSeveralContacts) {
 end Beam;
 )");
   CompiledModel model(file);
-  model.tolerance(1e-9).initialise();
-  model.advance(1);
+  model.tolerance(1e-9).run(1);
   const double first = 20 * 0.5 / 0.8, second = 20 * 0.3 / 0.8;
   EXPECT_NEAR(model["support[1].normalForce"], first, kExact * 10);
   EXPECT_NEAR(model["support[2].normalForce"], second, kExact * 10);
@@ -90,8 +88,7 @@ TEST(TimeFreezing, MultipliersInSlipAndStick) {
 TEST(TimeFreezing, SlidingContactWithCoupledDirections) {
   // The rod slides on its left end: lambda = -phi / D_s, D_s = D_nn - mu s D_nt, beta = a / (a + lambda).
   CompiledModel model(example("falling_rod.tf"));
-  model.tolerance(1e-10).initialise();
-  model.advance(0.4);
+  model.tolerance(1e-10).run(0.4);
   const double phiAngle = model["phi"], w = model["der(phi)"], rx = -0.5 * std::cos(phiAngle), ry = -0.5 * std::sin(phiAngle);
   const double mu = 0.3, J = 1.0 / 12, Dnn = 1 + rx * rx / J, Dnt = -rx * ry / J, s = model["floor[1].slip"] > 0 ? 1 : -1;
   const double phi = -9.81 - w * w * ry, lambda = -phi / (Dnn - mu * s * Dnt);
@@ -124,8 +121,7 @@ TEST(TimeFreezing, NumericalTimeOfAnImpactWithSlip) {
 TEST(TimeFreezing, SlipReversalInsideAnImpact) {
   // Two pieces: slip until it vanishes, then the other direction or stick; tau - t is the impulse divided by a = 1.
   CompiledModel model(example("falling_rod.tf"));
-  model.tolerance(1e-10).initialise();
-  model.advance(0.33);
+  model.tolerance(1e-10).run(0.33);
   const double impulse = model["der(r[2])"] + 9.81 * 0.33;  // of the floor: m = 1
   EXPECT_NEAR(model["tau"] - model["time"], impulse, kExact * 100);
   EXPECT_NEAR(model["floor[1].impulse"], impulse, kExact * 100);
