@@ -37,9 +37,8 @@ struct Slot {
 // Contract. Units come in an order in which they can be executed: those without a guard first, then group by group; then those of the
 // sweep's loop, which holds exactly the nodes that depend on seeds, in the same order. Constants and symbols are in no unit; each unit that
 // needs one makes or loads it. Every other node is in exactly one unit. A node that several groups need is evaluated always, and so is the
-// sine beside a cosine that is. Of a split
-// plan each unit is a function of its own, and values that leave their unit pass through a slot of an array of `slotCount` numbers or
-// `sweptSlotCount` rows.
+// sine beside a cosine that is. Of a split plan each unit is a function of its own, and values that leave their unit pass through a slot of
+// an array of `slotCount` numbers or `sweptSlotCount` rows.
 struct CodePlan {
   std::vector<Unit> units;
   bool isSplit = false;

@@ -8,6 +8,26 @@
 
 namespace tf::codegen {
 
+namespace {
+
+// Of every node; operands come before what they are operands of.
+std::vector<int> variationOfNodes(const ir::Graph &graph) {
+  std::vector<int> all(static_cast<std::size_t>(graph.size()), 0);
+  for (ir::NodeId id = 0; id < graph.size(); ++id) {
+    const ir::Node &node = graph[id];
+    int &own = all[static_cast<std::size_t>(id)];
+    if (node.op == ir::Op::Symbol)
+      own = node.symbol.kind == ir::SymbolKind::Time    ? TF_VARIES_WITH_TIME
+            : node.symbol.kind == ir::SymbolKind::Input ? TF_VARIES_WITH_INPUTS
+                                                        : 0;
+    for (int j = 0; j < node.arity; ++j)
+      own |= all[static_cast<std::size_t>(node.operands[j])];
+  }
+  return all;
+}
+
+}  // namespace
+
 int bindingDepth(const HybridSystem &system) {
   const auto count = system.parameterBindings.size();
   std::vector<std::vector<std::size_t>> needs(count);
@@ -65,26 +85,6 @@ MassStructure massStructure(const HybridSystem &system) {
   }
   return result;
 }
-
-namespace {
-
-// Of every node; operands come before what they are operands of.
-std::vector<int> variationOfNodes(const ir::Graph &graph) {
-  std::vector<int> all(static_cast<std::size_t>(graph.size()), 0);
-  for (ir::NodeId id = 0; id < graph.size(); ++id) {
-    const ir::Node &node = graph[id];
-    int &own = all[static_cast<std::size_t>(id)];
-    if (node.op == ir::Op::Symbol)
-      own = node.symbol.kind == ir::SymbolKind::Time    ? TF_VARIES_WITH_TIME
-            : node.symbol.kind == ir::SymbolKind::Input ? TF_VARIES_WITH_INPUTS
-                                                        : 0;
-    for (int j = 0; j < node.arity; ++j)
-      own |= all[static_cast<std::size_t>(node.operands[j])];
-  }
-  return all;
-}
-
-}  // namespace
 
 std::vector<int> variation(const HybridSystem &system) {
   const std::vector<int> all = variationOfNodes(system.graph);

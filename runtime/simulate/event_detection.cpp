@@ -10,8 +10,6 @@ namespace tf::runtime {
 
 namespace {
 
-bool isForceGuard(GuardKind kind) { return kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh; }
-
 // Of a gap, relative to its scale.
 constexpr double rounding = 1e-12;
 

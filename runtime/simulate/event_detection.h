@@ -16,6 +16,11 @@ struct DetectedEvent {
   double slope = 0;          // of the guard near the zero, < 0
 };
 
+// Its value needs contact forces or sliding step variables, an evaluation of the dynamics.
+[[nodiscard]] inline bool isForceGuard(GuardKind kind) {
+  return kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh;
+}
+
 class EventDetection {
 public:
   explicit EventDetection(ModeDynamics &dynamics);
@@ -85,8 +90,9 @@ private:
   void examineVarying(DetectedEvent &first);
   void divide(int guard, const Probe &a, const Probe &b, double coarser, int depth, DetectedEvent &first);
   void bracketProbes(int guard, const Probe &low, const Probe &high, DetectedEvent &first);
-  // event_location.cpp
+  // event_prediction.cpp
   double expected();
+  // event_location.cpp
   bool endsNearby(DetectedEvent &event);
   bool moveInside(DetectedEvent &event);
   bool extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event);

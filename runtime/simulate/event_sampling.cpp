@@ -63,9 +63,8 @@ bool EventDetection::samplesVarying() {
 void EventDetection::examineVarying(DetectedEvent &first) {
   for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
     const int guard = static_cast<int>(k);
-    const GuardKind kind = dynamics_.guards()[k].kind;
-    const bool isForce = kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh;
-    if (!dynamics_.guards()[k].varies || (isForce && isSteadyForce(guard)))
+    const Guard &described = dynamics_.guards()[k];
+    if (!described.varies || (isForceGuard(described.kind) && isSteadyForce(guard)))
       continue;
     DetectedEvent own;
     divisions_ = 0;
