@@ -4,6 +4,7 @@
 #include "runtime/contact/force_set.h"
 #include "runtime/contact/next_derivative.h"
 #include "runtime/contact/planar_friction.h"
+#include "runtime/contact/single_contact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -413,11 +414,17 @@ void ContactSolver::Workspace::readDegenerate(const ContactProblem &problem) {
 }
 
 const ContactSolution &ContactSolver::solve(const ContactProblem &problem, const ContactMode *previous, const double *guess) {
-  if (problem.hasDisks())
-    work_->solveConic(problem, previous, guess);
-  else
-    work_->solvePlanar(problem, previous);
-  return work_->solution;
+  Workspace &w = *work_;
+  if (solveSingleContact(problem, w.settings.degeneracy, w.solution) && w.solution.violation <= w.settings.feasibility) {
+    ++w.statistics.solves;
+    ++w.statistics.direct;
+    w.statistics.worstViolation = std::max(w.statistics.worstViolation, w.solution.violation);
+  } else if (problem.hasDisks()) {
+    w.solveConic(problem, previous, guess);
+  } else {
+    w.solvePlanar(problem, previous);
+  }
+  return w.solution;
 }
 
 const ContactSolution &ContactSolver::resolve(const ContactProblem &problem, const ContactSolution &solution, const ContactRates &rates,

@@ -27,7 +27,7 @@ public:
     bool listsDegenerate = true;  // false: nobody asks which rows these are
   };
   struct Statistics {
-    long solves = 0, previousModeKept = 0, enumerated = 0, activeSet = 0, pivoted = 0, pivots = 0, redundant = 0, resolved = 0;
+    long solves = 0, direct = 0, previousModeKept = 0, enumerated = 0, activeSet = 0, pivoted = 0, pivots = 0, redundant = 0, resolved = 0;
     long conic = 0, newtonIterations = 0;  // problems with slips of two components that are zero
     double worstViolation = 0;
   };
