@@ -12,6 +12,8 @@ void SpatialFrozenPhase::Workspace::listWatches() {
     if (mode.normal[i] == FrozenMode::Normal::Held) {
       watches.push_back({Watch::Kind::HeldLow, i, 1});
       watches.push_back({Watch::Kind::HeldHigh, i, 1});
+    } else if (restsAt(i)) {
+      watches.push_back({Watch::Kind::Normal, i, mode.normal[i] == FrozenMode::Normal::Push ? -1.0 : 1.0, roundingSpeed});
     } else {
       const double v = velocity[i] != 0 ? velocity[i] : acceleration[i];
       watches.push_back({Watch::Kind::Normal, i, v >= 0 ? 1.0 : -1.0});
@@ -39,7 +41,7 @@ double SpatialFrozenPhase::Workspace::value(const Watch &watch, double duration)
   const int i = watch.index, row = n + i;
   switch (watch.kind) {
   case Watch::Kind::Normal:
-    return watch.sign * point[i];
+    return watch.sign * point[i] + watch.level;
   case Watch::Kind::Slip:
     return watch.sign * point[row];
   case Watch::Kind::PairSlip:
@@ -121,9 +123,11 @@ double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
   return high;
 }
 
-// The step's end becomes the state.
+// The step's end becomes the state. Contacts at zero without an own force store nothing, and what moves them within rounding is no motion.
 void SpatialFrozenPhase::Workspace::commit(double h, const Watch *event) {
   for (int i = 0; i < n; ++i) {
+    if (restsAt(i) && (mode.normal[i] != FrozenMode::Normal::Push || std::abs(point[i]) <= roundingSpeed))
+      continue;
     const bool exhausted =
         event != nullptr && (event->kind == Watch::Kind::StoredImpulse || event->kind == Watch::Kind::StoredWork) && event->index == i;
     // The straight piece with the same begin and the same integral of the velocity stores the same.
@@ -132,7 +136,8 @@ void SpatialFrozenPhase::Workspace::commit(double h, const Watch *event) {
   }
   for (int r = 0; r < n + m; ++r) {
     impulse[r] += state[r];
-    const bool zero = r < n ? mode.normal[r] == FrozenMode::Normal::Held : mode.tangent[r - n] == FrozenMode::Tangent::Stick;
+    const bool zero = r < n ? mode.normal[r] == FrozenMode::Normal::Held || (restsAt(r) && std::abs(point[r]) <= roundingSpeed)
+                            : mode.tangent[r - n] == FrozenMode::Tangent::Stick;
     velocity[r] = zero ? 0 : point[r];
   }
   tau += h;

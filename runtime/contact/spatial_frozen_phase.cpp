@@ -58,15 +58,18 @@ bool SpatialFrozenPhase::Workspace::anyPushes() const {
   return false;
 }
 
+// A friction force of two components is as exact as its direction: its smaller component has the rounding errors of the whole.
 void SpatialFrozenPhase::Workspace::updateAcceleration() {
   std::fill(acceleration.begin(), acceleration.end(), 0.0);
   std::fill(turnover.begin(), turnover.end(), 0.0);
   for (int c = 0; c < n + m; ++c) {
-    if (force[c] == 0)
+    const double size =
+        c >= n && problem->partner[c - n] >= 0 ? std::hypot(force[c], force[n + problem->partner[c - n]]) : std::abs(force[c]);
+    if (size == 0)
       continue;
     for (int r = 0; r < n + m; ++r) {
       acceleration[r] += problem->delassus(r, c) * force[c];
-      turnover[r] += std::abs(problem->delassus(r, c) * force[c]);
+      turnover[r] += std::abs(problem->delassus(r, c)) * size;
     }
   }
   for (int r = 0; r < n + m; ++r)
@@ -120,17 +123,25 @@ bool SpatialFrozenPhase::Workspace::choose(int forced) {
   std::fill(leaving.begin(), leaving.end(), 0);
   point = velocity;
   mode.refer(force);
-  return evaluate();
+  return evaluate(forced);
 }
 
-// λ and w in the mode at `velocity`.
-bool SpatialFrozenPhase::Workspace::evaluate() {
+// λ and w in the mode at `velocity`. Contacts at zero stay there or leave to the side that their force cannot hold them from: a condition
+// that is violated within the solver's tolerance is no motion, from which a contact without force would store an impulse.
+bool SpatialFrozenPhase::Workspace::evaluate(int forced) {
   if (!mode.forces(*problem, velocity, stillSpeed, force))
     return false;
   updateAcceleration();
-  for (int i = 0; i < n; ++i)
+  for (int i = 0; i < n; ++i) {
+    if (!restsAt(i) || i == forced)
+      continue;
     if (mode.normal[i] == FrozenMode::Normal::Held)
       acceleration[i] = 0;
+    else if (mode.normal[i] == FrozenMode::Normal::Off)
+      acceleration[i] = std::max(acceleration[i], 0.0);
+    else
+      acceleration[i] = std::min(acceleration[i], 0.0);
+  }
   for (int j = 0; j < m; ++j)
     if (mode.tangent[j] == FrozenMode::Tangent::Stick)
       acceleration[n + j] = 0;
@@ -346,7 +357,7 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
       return fail(FrozenStatus::Cycle);
     if (forced < 0 && !anyPushes())
       break;
-    if (found ? !choose(forced) : !evaluate())
+    if (found ? !choose(forced) : !evaluate(forced))
       return fail(FrozenStatus::Unsettled);
     if (restitution.push(force)) {
       found = true;

@@ -239,7 +239,8 @@ bool SpatialFrozenPhase::Workspace::leap(int forced, double length) {
   }
   bringToRest(rests);
   for (int i = 0; i < n; ++i)
-    restitution.advance(i, from[i], (velocity[i] - from[i]) / length, length, false);
+    if (!(rests[i] && from[i] == 0))
+      restitution.advance(i, from[i], (velocity[i] - from[i]) / length, length, false);
   tau += length;
   return true;
 }

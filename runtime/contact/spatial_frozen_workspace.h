@@ -42,7 +42,7 @@ struct SpatialFrozenPhase::Workspace {
     Kind kind = Kind::Normal;
     int index = 0;  // normal or tangential row
     double sign = 1;
-    double level = 0;  // slips that start from zero: how far below zero they may fall
+    double level = 0;  // of what starts from zero: how far below zero it may fall
   };
 
   const FrozenProblem *problem = nullptr;
@@ -73,6 +73,8 @@ struct SpatialFrozenPhase::Workspace {
   void begin(const FrozenProblem &at, int forced);
   [[nodiscard]] bool pushes(int i) const { return velocity[i] < 0 || restitution.stored(i); }
   [[nodiscard]] bool anyPushes() const;
+  // At zero with nothing stored: complementarity decides what the contact does.
+  [[nodiscard]] bool restsAt(int i) const { return velocity[i] == 0 && !restitution.stored(i); }
   [[nodiscard]] bool isPair(int j) const { return problem->partner[j] > j; }
   [[nodiscard]] bool isSecond(int j) const { return problem->partner[j] >= 0 && problem->partner[j] < j; }
   [[nodiscard]] double slipSpeed(int j, const std::vector<double> &v) const {
@@ -91,7 +93,7 @@ struct SpatialFrozenPhase::Workspace {
   void updateAcceleration();
   bool choose(int forced);
   void chooseTangent(int j);
-  bool evaluate();
+  bool evaluate(int forced);
 
   double nextBreakpoint(Watch &first) const;
   [[nodiscard]] double departure(double duration) const;

@@ -44,6 +44,74 @@ FrozenProblem problemOf(const SpatialBody &body, const Eigen::VectorXd &velocity
   return problem;
 }
 
+// A sphere of mass 1 with contacts at its lowest point and at a wall (normal y), that falls and slides along x; rows are (floor, wall),
+// then (x, y) on the floor and (x, z) at the wall.
+FrozenProblem sphereInCorner() {
+  Eigen::Matrix<double, 6, 6> rows;  // times (v, R ω)
+  rows << 0, 0, 1, 0, 0, 0,          //
+      0, 1, 0, 0, 0, 0,              //
+      1, 0, 0, 0, -1, 0,             //
+      0, 1, 0, 1, 0, 0,              //
+      1, 0, 0, 0, 0, 1,              //
+      0, 0, 1, -1, 0, 0;
+  Eigen::Vector<double, 6> response;
+  response << 1, 1, 1, 2.5, 2.5, 2.5;
+  FrozenProblem problem;
+  problem.resize(2, 4);
+  problem.delassus.map() = rows * response.asDiagonal() * rows.transpose();
+  problem.owner = {0, 0, 1, 1};
+  problem.partner = {1, 0, 3, 2};
+  problem.friction.assign(4, 0.4);
+  problem.restitution.assign(2, 0.3);
+  problem.normalVelocity = {-1, 0};
+  problem.slipVelocity = {3, 0, 3, 0};
+  problem.resolution = 1e-13;
+  return problem;
+}
+
+// Friction on the floor is along the wall, but for a rounding error of its response, which must not press the sphere against the wall.
+TEST(SpatialFrozenPhase, RoundingErrorsPressNoContactIn) {
+  for (const double coupling : {0.0, 1e-17, -1e-17}) {
+    FrozenProblem problem = sphereInCorner();
+    problem.delassus(1, 2) += coupling;
+    problem.delassus(2, 1) += coupling;
+    SpatialFrozenPhase phase;
+    const FrozenResult &result = phase.run(problem);
+    ASSERT_EQ(result.status, FrozenStatus::Finished);
+    EXPECT_EQ(result.breakpointCount, 2);
+    EXPECT_NEAR(result.impulse[0], 1.3, 1e-14);
+    EXPECT_EQ(result.impulse[1], 0);
+    EXPECT_EQ(result.velocity[1], 0);
+    EXPECT_NEAR(result.velocity[0], 0.3, 1e-14);
+  }
+}
+
+// Another contact at rest that a curved slip moves within rounding only stores nothing, however long the impact pushes.
+TEST(SpatialFrozenPhase, ContactsAtRestStoreNothingOfARoundingError) {
+  for (const double coupling : {1e-17, -1e-17}) {
+    FrozenProblem problem;
+    problem.resize(2, 2);
+    problem.delassus.map().setIdentity();
+    problem.delassus.map()(3, 3) = 4;
+    for (const int row : {2, 3})
+      problem.delassus(1, row) = problem.delassus(row, 1) = coupling;
+    problem.owner = {0, 0};
+    problem.partner = {1, 0};
+    problem.friction.assign(2, 0.3);
+    problem.restitution.assign(2, 0.5);
+    problem.normalVelocity = {-1, 0};
+    problem.slipVelocity = {2, -3};
+    problem.resolution = 1e-13;
+    SpatialFrozenPhase phase;
+    const FrozenResult &result = phase.run(problem);
+    ASSERT_EQ(result.status, FrozenStatus::Finished);
+    EXPECT_NEAR(result.duration, 1.5, 1e-12);
+    EXPECT_NEAR(result.velocity[0], 0.5, 1e-12);
+    EXPECT_EQ(result.impulse[1], 0);
+    EXPECT_EQ(result.velocity[1], 0);
+  }
+}
+
 // Homogeneous sphere, mass 2: D_tt = (7/2)/m, D_tn = 0. The slip keeps its direction.
 TEST(SpatialFrozenPhase, SphereSlipsThroughTheImpact) {
   const Eigen::Matrix3d D = Eigen::Vector3d(0.5, 1.75, 1.75).asDiagonal();
