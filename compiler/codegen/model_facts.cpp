@@ -26,6 +26,8 @@ std::vector<int> variationOfNodes(const ir::Graph &graph) {
   return all;
 }
 
+bool variesInARun(ir::Symbol symbol) { return symbol.kind != ir::SymbolKind::Parameter && symbol.kind != ir::SymbolKind::Seed; }
+
 }  // namespace
 
 int bindingDepth(const HybridSystem &system) {
@@ -57,8 +59,11 @@ int bindingDepth(const HybridSystem &system) {
 }
 
 bool massIsConstant(const HybridSystem &system) {
-  const auto varies = [](ir::Symbol symbol) { return symbol.kind != ir::SymbolKind::Parameter && symbol.kind != ir::SymbolKind::Seed; };
-  return !ir::dependsOn(system.graph, system.massProduct.empty() ? system.mass : system.massProduct, varies);
+  return !ir::dependsOn(system.graph, system.massProduct.empty() ? system.mass : system.massProduct, variesInARun);
+}
+
+bool frictionVaries(const HybridSystem &system, const Contact &contact) {
+  return contact.friction >= 0 && ir::dependsOn(system.graph, contact.friction, variesInARun);
 }
 
 bool MassStructure::isFull() const {

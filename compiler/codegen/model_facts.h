@@ -11,6 +11,8 @@ namespace tf::codegen {
 [[nodiscard]] int bindingDepth(const HybridSystem &system);
 // M depends on parameters only.
 [[nodiscard]] bool massIsConstant(const HybridSystem &system);
+// tf_contact::friction_varies.
+[[nodiscard]] bool frictionVaries(const HybridSystem &system, const Contact &contact);
 
 // Entries of M below the diagonal that may differ from zero: columns[rows[i]] … columns[rows[i + 1] − 1] of row i, ascending.
 struct MassStructure {

@@ -90,7 +90,7 @@ llvm::Constant *contacts(const HybridSystem &system, TableBuilder &build) {
   for (const Contact &contact : system.contacts)
     rows.push_back(build.structure({build.text(contact.name), build.integer(contact.tangentFirst), build.integer(contact.tangentCount),
                                     build.integer(contact.frictionForm), build.integer(contact.law), build.number(contact.nominal),
-                                    build.location(contact.span)}));
+                                    build.location(contact.span), build.integer(frictionVaries(system, contact) ? 1 : 0)}));
   return build.table(rows, "contacts");
 }
 

@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 8u
+#define TF_ABI_VERSION 9u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -143,6 +143,7 @@ typedef struct tf_contact {
   int32_t law;                          /* enum tf_impact_law */
   double nominal;                       /* length scale of the gap */
   tf_location location;
+  int32_t friction_varies; /* 1: its coefficient depends on more than parameters, so that it may be zero at one instant only */
 } tf_contact;
 
 typedef struct tf_friction { /* a friction element: tangential rows with a bound instead of a normal force */

@@ -107,11 +107,11 @@ bool ModeDynamics::fail(EvaluationFailure failure) {
   return false;
 }
 
-bool ModeDynamics::frictionIsNegative() const {
+// The branch of a coefficient that a switch ends may be negative beyond it, where a step goes before the switch is found.
+void ModeDynamics::watchFriction() {
   for (int j = 0; j < problem_.tangentCount; ++j)
-    if ((problem_.owner[j] >= 0 ? problem_.friction[j] : problem_.bound[j]) < 0)
-      return true;
-  return false;
+    if ((problem_.owner[j] >= 0 ? problem_.friction[j] : problem_.bound[j]) < -negligibleFriction)
+      metNegativeFriction_ = true;
 }
 
 bool ModeDynamics::prepare(double time, const double *state) {
@@ -130,8 +130,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
     at_.contactTerms(mask_.data());
     rows_.gather(at_, problem_);
     hasRows_ = false;
-    if (frictionIsNegative())
-      return fail(EvaluationFailure::NegativeFriction);
+    watchFriction();
   }
   return true;
 }
@@ -292,8 +291,7 @@ bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate)
   if (rows_.count() > 0) {
     at_.contactForces(mask_.data());
     rows_.gatherLimits(at_, problem_);
-    if (frictionIsNegative())
-      return false;
+    watchFriction();
   } else {
     at_.forces();
   }

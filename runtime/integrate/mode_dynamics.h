@@ -42,7 +42,10 @@ struct Guard {
   bool varies = false;
 };
 
-enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged, NegativeFriction };
+// Friction coefficients and bounds of elements that are no further below zero are zero but for rounding.
+constexpr double negligibleFriction = 1e-9;
+
+enum class EvaluationFailure : std::uint8_t { None, NotFinite, SingularMass, SingularContact, SlidingDiverged };
 
 class ModeDynamics {
 public:
@@ -62,6 +65,10 @@ public:
   bool evaluate(double time, const double *state, double *rate);
   // Of the last evaluation.
   [[nodiscard]] EvaluationFailure failure() const { return failure_; }
+  // Since it was last forgotten, an evaluation has met a coefficient or bound of friction below zero: a step has gone beyond a switch, or
+  // the model is wrong.
+  [[nodiscard]] bool metNegativeFriction() const { return metNegativeFriction_; }
+  void forgetNegativeFriction() { metNegativeFriction_ = false; }
   // dt/dtau of the last evaluation.
   [[nodiscard]] double timeSpeed() const { return tauRate_ > 0 ? 1 / tauRate_ : 1; }
 
@@ -149,7 +156,7 @@ private:
   bool prepare(double time, const double *state);
   bool evaluateSmall(double time, const double *state, double *rate);
   bool giveRate(double *rate);
-  [[nodiscard]] bool frictionIsNegative() const;
+  void watchFriction();
   bool solveForces();
   bool solveRows(double *freeAcceleration);
   void completeRows();
@@ -175,11 +182,12 @@ private:
   ContactMode contactMode_;
   ModeForces forces_;
   FoldedForces folded_;
-  bool isFolded_ = false;     // folded_ gives the forces
-  bool isSmall_ = false;      // by evaluateSmall
-  bool isGathered_ = false;   // the last evaluation has gathered rows_ and factorised M
-  bool hasRows_ = false;      // D is that of the last evaluation too
-  bool isComplete_ = false;   // and forces_
+  bool isFolded_ = false;    // folded_ gives the forces
+  bool isSmall_ = false;     // by evaluateSmall
+  bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M
+  bool hasRows_ = false;     // D is that of the last evaluation too
+  bool isComplete_ = false;  // and forces_
+  bool metNegativeFriction_ = false;
   bool isProjected_ = false;  // projected_ is the point of the last evaluation, and its own projection
   SlipDirections slips_;
   Projection projection_;

@@ -97,13 +97,13 @@ std::string FailureTexts::startValues(const double *state) const {
   return fmt::format("the start of '{}' is {}", name, nameOfNonFinite(*bad));
 }
 
-std::string FailureTexts::negativeFriction() {
+std::string FailureTexts::negativeFriction(const Mode *mode) {
   at_.contactTerms(all_.data());
   for (int i = 0; i < model_.nc; ++i)
-    if (at_.friction[i] < 0)
+    if (at_.friction[i] < -negligibleFriction && (mode == nullptr || mode->closed[i]))
       return negativeFrictionOf(model_.contacts[i], at_.friction[i]);
   for (int i = 0; i < model_.nf; ++i)
-    if (const double bound = at_.bound[model_.frictions[i].tangent_first]; bound < 0)
+    if (const double bound = at_.bound[model_.frictions[i].tangent_first]; bound < -negligibleFriction)
       return fmt::format("the bound of friction element '{}' is {:.6g}, it cannot be negative {}", model_.frictions[i].name, bound,
                          sourceOf(model_.frictions[i].location));
   return {};
@@ -125,8 +125,6 @@ std::string FailureTexts::evaluation() {
     return fmt::format("the contact forces have no solution at t = {:.10g}", time);
   case EvaluationFailure::SlidingDiverged:
     return fmt::format("the sliding mode of the switches has no solution at t = {:.10g}", time);
-  case EvaluationFailure::NegativeFriction:
-    return fmt::format("{} at t = {:.10g}", negativeFriction(), time);
   case EvaluationFailure::NotFinite:
     break;
   }

@@ -25,8 +25,9 @@ public:
   [[nodiscard]] std::string relaxedSensitivities() const;
   // Start values [q, v, z] that are not finite.
   [[nodiscard]] std::string startValues(const double *state) const;
-  // The first contact or friction element whose coefficient or bound is negative at the evaluation's point.
-  std::string negativeFriction();
+  // The first contact (that is closed in the mode, if one is given) or friction element whose coefficient or bound is negative at the
+  // evaluation's point.
+  std::string negativeFriction(const Mode *mode = nullptr);
 
   [[nodiscard]] std::string singularMass() const;
   // The failure of the dynamics' last evaluation.

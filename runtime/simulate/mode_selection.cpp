@@ -98,7 +98,7 @@ std::string ModeSelection::jump(const double *state) {
 std::string ModeSelection::negativeFriction() const {
   const tf_model &model = at_.model();
   for (int i = 0; i < model.nc; ++i)
-    if (candidates_[i] && at_.friction[i] < 0)
+    if (candidates_[i] && at_.friction[i] < -negligibleFriction)
       return negativeFrictionOf(model.contacts[i], at_.friction[i]);
   return {};
 }
@@ -145,6 +145,11 @@ void ModeSelection::classifySwitches(const Mode &previous, SwitchHint hint) {
   }
 }
 
+// Now, or later in the mode.
+bool ModeSelection::hasFriction(int contact) const {
+  return at_.friction[contact] > 0 || at_.model().contacts[contact].friction_varies != 0;
+}
+
 void ModeSelection::chooseRows(double time, const double *state, const Mode &previous) {
   const tf_model &model = at_.model();
   const double velocityTolerance = this->velocityTolerance(state);
@@ -169,7 +174,7 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   at_.setPoint(time, state);
   at_.contactTerms(mask_.data());
   for (int j = 0; j < model.nt; ++j)
-    if (takesPartInMotion(roles_[j]) && (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && at_.friction[contactOf_[j]] > 0)))
+    if (takesPartInMotion(roles_[j]) && (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && hasFriction(contactOf_[j]))))
       tangents.push_back(j);
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);

@@ -78,6 +78,7 @@ private:
   [[nodiscard]] Switch sideOf(int j, SwitchHint hint) const;
   [[nodiscard]] std::string jump(const double *state);
   [[nodiscard]] std::string negativeFriction() const;
+  [[nodiscard]] bool hasFriction(int contact) const;
   void classifySwitches(const Mode &previous, SwitchHint hint);
   void chooseRows(double time, const double *state, const Mode &previous);
   Trial tryAssignment(double time, const double *state);

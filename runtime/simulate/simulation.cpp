@@ -192,9 +192,37 @@ tf_status Simulation::Implementation::settleStart() {
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 
+// Where a coefficient of friction falls below zero inside the integrator's step, the run ends there.
+tf_status Simulation::Implementation::checkFriction() {
+  constexpr int samples = 16, bisections = 50;
+  dynamics_.forgetNegativeFriction();
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
+  const auto negativeAt = [&](double time) {
+    integrator.interpolate(time, interpolated_.data());
+    at_.setPoint(time, interpolated_.data());
+    return failures_.negativeFriction(&mode_);
+  };
+  int found = 1;
+  while (found <= samples && negativeAt(begin + length * found / samples).empty())
+    ++found;
+  if (found > samples)
+    return dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()) ? TF_OK : failEvaluation();
+  double low = begin + length * (found - 1) / samples, high = begin + length * found / samples;
+  for (int k = 0; k < bisections; ++k)
+    (negativeAt(0.5 * (low + high)).empty() ? low : high) = 0.5 * (low + high);
+  const std::string text = negativeAt(high);
+  time_ = high;
+  state_ = interpolated_;
+  return failAt(text);
+}
+
 // The state becomes that of the end of the integrator's step.
 tf_status Simulation::Implementation::commit() {
   SmoothIntegrator &integrator = integrators_.current();
+  if (dynamics_.metNegativeFriction())
+    if (const tf_status status = checkFriction(); status != TF_OK)
+      return status;
   if (energy_)
     energy_->addStep(integrator);
   const bool differentiated = !sensitivities_ || sensitivities_->addStep(integrator);
@@ -241,6 +269,8 @@ tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
   StepStatus status = integrators_.current().step(detection_.stepLimit(limit));
+  if (const int guard = status != StepStatus::Done ? switchAhead() : -1; guard >= 0)
+    return passSwitch(guard, limit);
   if (SmoothIntegrator *other = status != StepStatus::Done ? integrators_.afterFailure() : nullptr; other != nullptr) {
     if (!takeOver(*other, IntegratorReason::Failure))
       return failEvaluation();

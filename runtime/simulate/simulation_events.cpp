@@ -277,6 +277,35 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
 }
 
+// The guard of a switch that (time_, state_), moving on along its rate, reaches within what the tolerance leaves open; −1: none.
+int Simulation::Implementation::switchAhead() {
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return -1;
+  const std::vector<Guard> &guards = dynamics_.guards();
+  const double ahead = owner_.options.tolerance * std::max(1.0, std::abs(time_));
+  for (int i = 0; i < n_; ++i)
+    interpolated_[i] = state_[i] + ahead * rate_[i];
+  at_.setPoint(time_ + ahead, interpolated_.data());
+  at_.switching(ModelEvaluation::Conditions);
+  for (std::size_t k = 0; k < guards.size(); ++k)
+    if (guards[k].kind == GuardKind::Condition && dynamics_.guardValue(static_cast<int>(k)) < 0)
+      return static_cast<int>(k);
+  return -1;
+}
+
+// Equations may end with their branch, as a square root does where a switch keeps its argument positive: no step leads over the switch
+// then. The mode ends right before it.
+tf_status Simulation::Implementation::passSwitch(int guard, double limit) {
+  if (!progress_.add(time_))
+    return failWithoutProgress();
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  beginEvent();
+  if (const tf_status status = differentiateEvent(guard); status != TF_OK)
+    return status;
+  return changeMode(dynamics_.guards()[guard], -1, limit);
+}
+
 // The sensitivities at the zero of the guard. Contacts that close with it close together with it nearby, or there is no derivative.
 tf_status Simulation::Implementation::differentiateEvent(int guard) {
   if (!sensitivities_)

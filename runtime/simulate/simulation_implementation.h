@@ -97,6 +97,7 @@ private:
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();
+  tf_status checkFriction();
   void enterSegment();
   bool skipTo(double limit);
   tf_status failStep(StepStatus status);
@@ -112,6 +113,8 @@ private:
   void closeTogether(const std::vector<int> &contacts);
   tf_status stopTogether(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
+  int switchAhead();
+  tf_status passSwitch(int guard, double limit);
   tf_status differentiateEvent(int guard);
   std::vector<Transition> &beginTransitions();
   void beginEvent();

@@ -2,6 +2,7 @@
 
 #include "tests/unit/runtime/hand_written_models.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -71,7 +72,9 @@ TEST_F(Loading, RefusesOtherFiles) {
   EXPECT_EQ(reason(sample("other")), "it is a shared library, but not a compiled model");
   EXPECT_EQ(reason(sample("next_symbol")), "it was compiled for another version of the interface of compiled models; compile it again");
   EXPECT_EQ(reason(sample("newer")),
-            "the model was compiled for version 9 of the interface of compiled models, this program has version 8; compile it again");
+            fmt::format(
+                "the model was compiled for version {} of the interface of compiled models, this program has version {}; compile it again",
+                TF_ABI_VERSION + 1, TF_ABI_VERSION));
   EXPECT_EQ(reason(sample("unmarked")), "not a compiled model: its table does not begin with the mark of one");
   EXPECT_EQ(reason(sample("incomplete")), "the compiled model is damaged: a function is missing");
 }

@@ -4,7 +4,9 @@
 #include <math.h>
 #include <stddef.h>
 
-#ifndef SAMPLE_ABI_VERSION
+#ifdef SAMPLE_IS_NEWER
+#define SAMPLE_ABI_VERSION (TF_ABI_VERSION + 1u)
+#else
 #define SAMPLE_ABI_VERSION TF_ABI_VERSION
 #endif
 #ifndef SAMPLE_MAGIC
