@@ -362,6 +362,12 @@ bool ModeDynamics::stop(double time, double *state) {
   return true;
 }
 
+void ModeDynamics::turningSlips(double time, const double *state, double *slips) {
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Slips);
+  slips_.slips(slips);
+}
+
 bool ModeDynamics::holdsEdge() const {
   return std::any_of(rows_.tangents().begin(), rows_.tangents().end(),
                      [this](int row) { return roles_[row] == TangentRole::Edge && mode_.tangent[row] == Tangent::Stick; });

@@ -126,25 +126,60 @@ double Sensitivities::scaleOf(const Column &column, const double *direction) con
   return largest > 0 ? largest : 1;
 }
 
-// b = ∂f/∂θ at fixed state.
-bool Sensitivities::inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b) {
+// b = ∂f/∂θ at fixed state, with A = ∂f/∂y there.
+bool Sensitivities::inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b) {
+  const int velocities = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
+  fixSlips(time, state);
   bool isGood = true;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
-    const Column &column = columns_[k];
     auto target = b.col(static_cast<Eigen::Index>(k));
     target.setZero();
-    if (!column.movesModel)
+    if (!columns_[k].movesModel)
       continue;
-    const auto rate = [&](double s, double *values) {
-      shift(column, s);
-      if (!dynamics_.evaluate(time, state, rate_.data()))
-        return false;
-      std::copy_n(rate_.begin(), n_, values);
-      return true;
-    };
-    isGood = difference(rate, scaleOf(column, still_.data()), n_, target.data()) && isGood;
-    shift(column, 0);
+    isGood = differenceRate(columns_[k], time, state, target) && isGood;
+    if (slips_.size() > 0)
+      target -= slope.middleCols(velocities, nv) * Eigen::Map<const Eigen::VectorXd>(rateAndVelocity_.data() + n_, nv);
   }
+  return isGood;
+}
+
+// Friction turns with a slip of two components, the faster the smaller it is: differences of it need steps far smaller than the slip. So
+// velocities change with θ such that such slips stay what they are; A tells what these velocities do.
+void Sensitivities::fixSlips(double time, const double *state) {
+  const int nv = dynamics_.model().model().nv;
+  slips_.resize(dynamics_.turningSlipCount());
+  if (slips_.size() == 0)
+    return;
+  slipChange_.resize(slips_.size());
+  slipByVelocity_.resize(slips_.size(), nv);
+  for (int k = 0; k < nv; ++k)
+    dynamics_.turningSlipsBy(k, slipByVelocity_.col(k).data());
+  velocityBySlip_.compute(slipByVelocity_);
+  dynamics_.turningSlips(time, state, slips_.data());
+}
+
+// d/dθ of the rate along a motion in which slips of two components stay, into b; with that of its velocities, into rateAndVelocity_.
+bool Sensitivities::differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b) {
+  const int first = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
+  const int extra = slips_.size() > 0 ? nv : 0;
+  const auto rate = [&](double s, double *values) {
+    shift(column, s);
+    std::copy_n(state, point_.size(), point_.begin());
+    if (extra > 0) {
+      dynamics_.turningSlips(time, state, slipChange_.data());
+      slipChange_ = slips_ - slipChange_;
+      Eigen::Map<Eigen::VectorXd>(point_.data() + first, nv) += velocityBySlip_.solve(slipChange_);
+    }
+    if (!dynamics_.evaluate(time, point_.data(), rate_.data()))
+      return false;
+    std::copy_n(rate_.begin(), n_, values);
+    std::copy_n(point_.begin() + first, extra, values + n_);
+    return true;
+  };
+  rateAndVelocity_.resize(static_cast<std::size_t>(n_ + nv));
+  const bool isGood = difference(rate, scaleOf(column, still_.data()), n_ + extra, rateAndVelocity_.data());
+  shift(column, 0);
+  b = Eigen::Map<const Eigen::VectorXd>(rateAndVelocity_.data(), n_);
   return isGood;
 }
 
@@ -156,7 +191,7 @@ bool Sensitivities::sampleStep(SmoothIntegrator &integrator, double begin, doubl
     if (!dynamics_.evaluate(time, state_.data(), rate_.data()) || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
       return false;
     slopes_[k] = jacobian_.topLeftCorner(n_, n_);
-    if (!inhomogeneity(time, state_.data(), offsets_[k]))
+    if (!inhomogeneity(time, state_.data(), slopes_[k], offsets_[k]))
       return false;
   }
   return true;

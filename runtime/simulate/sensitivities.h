@@ -71,7 +71,9 @@ private:
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
   bool sampleStep(SmoothIntegrator &integrator, double begin, double length);
   bool eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times);
-  bool inhomogeneity(double time, const double *state, Eigen::Ref<Eigen::MatrixXd> b);
+  bool inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b);
+  bool differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);
+  void fixSlips(double time, const double *state);
 
   ModeDynamics &dynamics_;
   const ModelInstance &instance_;
@@ -89,6 +91,11 @@ private:
   Eigen::MatrixXd jacobian_, system_, right_, increments_, before_, product_;
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   std::vector<double> still_, point_;
+  // of slips of two components: their values, by velocities, and the velocities that make up for a change of them
+  Eigen::VectorXd slips_, slipChange_;
+  Eigen::MatrixXd slipByVelocity_;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> velocityBySlip_;
+  std::vector<double> rateAndVelocity_;
 };
 
 }  // namespace tf::runtime

@@ -1,6 +1,7 @@
 #include "runtime/simulate/simulation.h"
 
 #include "runtime/simulate/simulation_implementation.h"
+#include "runtime/simulate/source_texts.h"
 
 #include <fmt/format.h>
 
@@ -187,6 +188,9 @@ tf_status Simulation::Implementation::settleStart() {
   }
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
+  if (sensitivities_)
+    if (const tf_status status = differentiateStart(); status != TF_OK)
+      return status;
   if (impact || std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_PAINLEVE; }))
     report(transitions);
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
@@ -217,6 +221,32 @@ tf_status Simulation::Implementation::checkFriction() {
   return failAt(text);
 }
 
+// Starts nearby do not leave what the first mode holds at zero, or come back to it at once: within an instant that is as short as they are
+// near, forces of the mode end slips and gap rates. A gap that opens takes a longer time to close, of the order of its root.
+tf_status Simulation::Implementation::differentiateStart() {
+  constexpr double opens = 1e-6;
+  std::vector<double> gapChange(model_.nc);
+  const auto gaps = [this](double time, double *state, double *values) {
+    at_.setPoint(time, state);
+    at_.switching(ModelEvaluation::Gaps);
+    std::copy_n(at_.gap.begin(), model_.nc, values);
+    return true;
+  };
+  for (int column = 0; column < sensitivities_->columnCount(); ++column) {
+    if (!sensitivities_->differentiate(gaps, time_, state_.data(), column, model_.nc, gapChange.data()))
+      return failSensitivities("the start");
+    for (int i = 0; i < model_.nc; ++i)
+      if (const tf_contact &contact = model_.contacts[i]; mode_.closed[i] && std::abs(gapChange[i]) > opens * contact.nominal)
+        return failSensitivities(fmt::format("the start: '{}' opens contact '{}' {}, which is closed there,",
+                                             instance_.model().variables[owner_.options.sensitivities[column]].name, contact.name,
+                                             sourceOf(contact.location)));
+  }
+  const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
+  if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failSensitivities("the start");
+  return TF_OK;
+}
+
 // The state becomes that of the end of the integrator's step.
 tf_status Simulation::Implementation::commit() {
   SmoothIntegrator &integrator = integrators_.current();
@@ -225,7 +255,12 @@ tf_status Simulation::Implementation::commit() {
       return status;
   if (energy_)
     energy_->addStep(integrator);
-  const bool differentiated = !sensitivities_ || sensitivities_->addStep(integrator);
+  bool differentiated = true;
+  if (sensitivities_) {
+    // Directions that are held where a slip stops do not turn for motions nearby, whose slips do.
+    dynamics_.holdDirections(0);
+    differentiated = sensitivities_->addStep(integrator);
+  }
   const double begin = time_;
   if (const std::string text = integrators_.account(integrator.endTime() - begin, statistics_); !text.empty())
     note(TF_NOTE_INTEGRATOR, begin, text);

@@ -90,6 +90,7 @@ private:
   tf_status takeStarts();
   tf_status solveStart();
   tf_status settleStart();
+  tf_status differentiateStart();
   void startCurrent();
   void startIntegrator();
   void resumeIntegrator();

@@ -77,6 +77,59 @@ end LevelRod;
   }
 }
 
+// A disk that rests on the floor and is pushed, started a little too fast: friction makes it roll at once, m a = −Λ, I ω̇ = −r Λ.
+TEST(Sensitivities, OfAStartThatTheContactsDoNotAllowAreThoseOfTheMotionTheyLeave) {
+  const std::string file = sourceFile("rolling_start.tf", R"(
+model RollingStart
+  parameter Real v0 = 0, fall = 0, y0 = 0.5, r = 0.5;
+  coordinate Real x(der(start = v0)), y(start = y0, der(start = fall)), p;
+  body b(mass = 1, position = {x, y}, angle = p, inertia = 0.5*r^2);
+  gravity weight(acceleration = {0, -9.81});
+  contact c(gap = y - r, slip = der(x) + r*der(p), friction = 0.5, restitution = 0.5);
+end RollingStart;
+)");
+  for (const tf_integrator integrator : integrators) {
+    CompiledModel model(file);
+    differentiateBy(model, {"v0", "fall"});
+    model.tolerance(1e-9).integrator(integrator).run(1);
+    EXPECT_NEAR(sensitivity(model, "x", 0), 2.0 / 3, 1e-9);
+    EXPECT_NEAR(sensitivity(model, "p", 0), -4.0 / 3, 1e-9);
+    for (const char *still : {"x", "y", "p", "der(y)"})
+      EXPECT_NEAR(sensitivity(model, still, 1), 0, 1e-9) << still;
+  }
+  CompiledModel opened(file);
+  differentiateBy(opened, {"y0"});
+  try {
+    opened.run(1);
+    FAIL() << "no error";
+  } catch (const std::runtime_error &error) {
+    EXPECT_NE(std::string(error.what()).find("the start: 'y0' opens contact 'c'"), std::string::npos) << error.what();
+  }
+}
+
+// Thrown across a belt of speed u: the slip s0 = (−u, v) keeps its direction and ends at t = |s0|/(mu g), so that
+// x = u t + s0 (t/2) there and x grows by u from then on.
+TEST(Sensitivities, OfASlipThatContainsTheParameterAreThoseOfTheClosedForm) {
+  const std::string file = sourceFile("crossed_belt.tf", R"(
+model CrossedBelt
+  parameter Real u = 1, mu = 0.3;
+  coordinate Real x[2](der(start = {0, 1.5})), z;
+  body b(mass = 1, position = {x[1], x[2], z});
+  gravity weight(acceleration = {0, 0, -10});
+  contact belt(gap = z, slip = {der(x[1]) - u, der(x[2])}, friction = mu);
+end CrossedBelt;
+)");
+  const double u = 1, v = 1.5, end = 2, speed = std::hypot(u, v), stop = speed / 3, byBelt = u / speed / 3;
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-6, 1e-10}) {
+      CompiledModel model(file);
+      differentiateBy(model, {"u"});
+      model.tolerance(tolerance).integrator(integrator).run(end);
+      EXPECT_NEAR(sensitivity(model, "x[1]", 0), end - 0.5 * stop - 0.5 * u * byBelt, 1e-9) << integrator << ", " << tolerance;
+      EXPECT_NEAR(sensitivity(model, "x[2]", 0), 0.5 * v * byBelt, 1e-9) << integrator << ", " << tolerance;
+    }
+}
+
 TEST(Sensitivities, NamesOfResultsAreRefused) {
   CompiledModel model(TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf");
   for (const char *name : {"floor.normalForce", "no such thing"})
