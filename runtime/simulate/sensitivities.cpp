@@ -102,6 +102,7 @@ void Sensitivities::start(double time) {
     makeColumn(column, time);
   eventTime_.setZero();
   lastEventTime_ = eventTime_;
+  jump_.resize(0, 0);
 }
 
 void Sensitivities::shift(const Column &column, double s) {
@@ -283,7 +284,30 @@ EventDerivative Sensitivities::beginEvent(double time, const double *state, cons
   return EventDerivative::Exists;
 }
 
-bool Sensitivities::propagate(const Map &map, double time, const double *state) {
+template <class Function> auto Sensitivities::along(const Function &values, double time, const double *state, int column) {
+  return [&values, this, time, state, column](double s, double *result) {
+    const double *direction = matrix_.col(column).data();
+    for (int i = 0; i < n_; ++i)
+      point_[static_cast<std::size_t>(i)] = state[i] + s * direction[i];
+    point_.back() = state[n_];
+    shift(columns_[static_cast<std::size_t>(column)], s);
+    return values(time + s * eventTime_[column], point_.data(), result);
+  };
+}
+
+double Sensitivities::alongScale(int column) const {
+  return std::max(scaleOf(columns_[static_cast<std::size_t>(column)], matrix_.col(column).data()), std::abs(eventTime_[column]));
+}
+
+bool Sensitivities::differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time,
+                                  const double *state, int column, int count, double *derivative) {
+  std::copy_n(state, state_.size(), state_.begin());
+  const bool isGood = difference(along(values, time, state, column), alongScale(column), count, derivative);
+  shift(columns_[static_cast<std::size_t>(column)], 0);
+  return isGood;
+}
+
+bool Sensitivities::mapColumns(const Map &map, double time, const double *state) {
   const auto values = [&](double at, double *point, double *result) {
     if (!map(at, point))
       return false;
@@ -298,23 +322,69 @@ bool Sensitivities::propagate(const Map &map, double time, const double *state) 
   return matrix_.allFinite();
 }
 
-bool Sensitivities::differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time,
-                                  const double *state, int column, int count, double *derivative) {
-  std::copy_n(state, state_.size(), state_.begin());
-  std::vector<double> &point = point_;
-  const double *direction = matrix_.col(column).data();
-  const Column &moved = columns_[static_cast<std::size_t>(column)];
-  const auto function = [&](double s, double *result) {
-    for (int i = 0; i < n_; ++i)
-      point[static_cast<std::size_t>(i)] = state[i] + s * direction[i];
-    point.back() = state[n_];
-    shift(moved, s);
-    return values(time + s * eventTime_[column], point.data(), result);
+// Differences of order 2 to both sides, one less the other. False: not both can be evaluated.
+template <class Function> bool Sensitivities::kink(const Function &function, double scale, double *jump) {
+  const double h = differenceStep / scale;
+  samples_.resize(5 * static_cast<std::size_t>(n_));
+  for (int k = 0; k < 5; ++k)
+    if (!function((k - 2) * h, samples_.data() + static_cast<std::ptrdiff_t>(k) * n_))
+      return false;
+  const Eigen::Map<const Eigen::MatrixXd> all(samples_.data(), n_, 5);
+  Eigen::Map<Eigen::VectorXd>(jump, n_) = (4 * (all.col(3) + all.col(1)) - all.col(4) - all.col(0) - 6 * all.col(2)) / (2 * h);
+  return true;
+}
+
+// Into jump_, where the map has a kink. False: it has none.
+bool Sensitivities::findKink(const Map &map, double time, const double *state) {
+  constexpr double visible = 1e-3;  // maps are known to tolerances of about 1e-3 of the differences' step
+  const auto values = [&](double at, double *point, double *result) {
+    if (!map(at, point))
+      return false;
+    std::copy_n(point, n_, result);
+    return true;
   };
-  const double scale = std::max(scaleOf(moved, direction), std::abs(eventTime_[column]));
-  const bool isGood = difference(function, scale, count, derivative);
-  shift(moved, 0);
-  return isGood;
+  bool found = false;
+  jump_.setZero(n_, columnCount());
+  std::copy_n(state, state_.size(), state_.begin());
+  for (int k = 0; k < columnCount(); ++k) {
+    const double scale = alongScale(k);
+    const bool isKnown = kink(along(values, time, state, k), scale, jump_.col(k).data());
+    shift(columns_[static_cast<std::size_t>(k)], 0);
+    if (isKnown && jump_.col(k).allFinite() && jump_.col(k).lpNorm<Eigen::Infinity>() > visible * scale)
+      found = true;
+    else
+      jump_.col(k).setZero();
+  }
+  return found;
+}
+
+bool Sensitivities::propagate(const Map &map, double time, const double *state) {
+  if (jump_.size() == 0) {
+    const bool hasKink = findKink(map, time, state);
+    if (!hasKink)
+      jump_.resize(0, 0);
+    return mapColumns(map, time, state);
+  }
+  const Eigen::MatrixXd mean = matrix_, half = 0.5 * jump_;
+  matrix_ = mean + half;
+  if (!mapColumns(map, time, state))
+    return false;
+  const Eigen::MatrixXd above = matrix_;
+  matrix_ = mean - half;
+  if (!mapColumns(map, time, state))
+    return false;
+  jump_ = above - matrix_;
+  matrix_ = 0.5 * (above + matrix_);
+  return true;
+}
+
+bool Sensitivities::isOneSided() {
+  constexpr double visible = 1e-3;
+  bool found = false;
+  for (Eigen::Index k = 0; k < jump_.cols(); ++k)
+    found = found || jump_.col(k).lpNorm<Eigen::Infinity>() > visible * alongScale(static_cast<int>(k));
+  jump_.resize(0, 0);
+  return found;
 }
 
 void Sensitivities::endEvent(const double *rate) {

@@ -36,9 +36,12 @@ public:
   // An event at (time, state) with rate f⁻: at the common zero of `guards` (one at least) of the dynamics' mode. Events
   // at times that do not depend on θ need no such call.
   EventDerivative beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards);
-  // The state is mapped. `map` changes the state at a time in place; false where it cannot.
+  // The state is mapped. `map` changes the state at a time in place; false where it cannot. Where a map has a kink, the derivatives on both
+  // sides are mapped on by those that follow, until `isOneSided` asks.
   using Map = std::function<bool(double time, double *state)>;
   bool propagate(const Map &map, double time, const double *state);
+  // Since it was asked last, the state has been mapped such that its derivatives on both sides differ.
+  bool isOneSided();
   // The run goes on with the rate f⁺.
   void endEvent(const double *rate);
   // Back to before endEvent, with the rate f⁺ that it was told: S along the event, whose time moves with θ.
@@ -70,6 +73,12 @@ private:
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
   bool sampleStep(SmoothIntegrator &integrator, double begin, double length);
+  bool mapColumns(const Map &map, double time, const double *state);
+  bool findKink(const Map &map, double time, const double *state);
+  template <class Function> bool kink(const Function &function, double scale, double *jump);
+  // The values at s along a column's direction, from (time, state).
+  template <class Function> auto along(const Function &values, double time, const double *state, int column);
+  [[nodiscard]] double alongScale(int column) const;
   bool eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times);
   bool inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b);
   bool differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);
@@ -82,6 +91,7 @@ private:
   std::vector<Column> columns_;
   std::vector<double> parameters_, shifted_;  // at θ; at the point that is evaluated
   Eigen::MatrixXd matrix_;                    // n × columns
+  Eigen::MatrixXd jump_;                      // n × columns: derivative for growing θ less that for falling θ
   Eigen::VectorXd eventTime_;                 // δt of each column
   Eigen::VectorXd lastEventTime_;             // of the event that ended last
   std::vector<double> state_, rate_, samples_;

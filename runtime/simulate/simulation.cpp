@@ -169,9 +169,30 @@ tf_status Simulation::Implementation::solveStart() {
   if (std::string text = constraints.solve(time_, state_.data()); !text.empty())
     return fail(std::move(text));
   const auto solve = [&constraints](double time, double *state) { return constraints.solve(time, state).empty(); };
-  if (sensitivities_ && !sensitivities_->propagate(solve, time_, given.data()))
+  if (sensitivities_ && !sensitivities_->propagate(solve, time_, given.data()) && !startsStayConsistent())
     return failSensitivities("the constraints' start");
   return TF_OK;
+}
+
+// Starts that are all given cannot be corrected: they must go along the constraints.
+bool Simulation::Implementation::startsStayConsistent() {
+  constexpr double leaves = 1e-6;
+  std::vector<double> change(2 * static_cast<std::size_t>(model_.nh));
+  const auto residuals = [this](double time, double *state, double *values) {
+    at_.setPoint(time, state);
+    at_.constraintResiduals();
+    for (int k = 0; k < model_.nk; ++k)
+      for (int row = model_.constraints[k].row_first, end = row + model_.constraints[k].row_count; row < end; ++row) {
+        *values++ = model_.constraints[k].holonomic ? at_.residual[row] : 0;
+        *values++ = at_.residualRate[row];
+      }
+    return true;
+  };
+  for (int column = 0; column < sensitivities_->columnCount(); ++column)
+    if (!sensitivities_->differentiate(residuals, time_, state_.data(), column, static_cast<int>(change.size()), change.data()) ||
+        std::any_of(change.begin(), change.end(), [](double value) { return !(std::abs(value) <= leaves); }))
+      return false;
+  return true;
 }
 
 tf_status Simulation::Implementation::settleStart() {
@@ -221,8 +242,7 @@ tf_status Simulation::Implementation::checkFriction() {
   return failAt(text);
 }
 
-// Starts nearby do not leave what the first mode holds at zero, or come back to it at once: within an instant that is as short as they are
-// near, forces of the mode end slips and gap rates. A gap that opens takes a longer time to close, of the order of its root.
+// A gap that opens at the start takes a longer time to close than starts are apart, of the order of its root: there is no derivative.
 tf_status Simulation::Implementation::differentiateStart() {
   constexpr double opens = 1e-6;
   std::vector<double> gapChange(model_.nc);
@@ -241,10 +261,7 @@ tf_status Simulation::Implementation::differentiateStart() {
                                              instance_.model().variables[owner_.options.sensitivities[column]].name, contact.name,
                                              sourceOf(contact.location)));
   }
-  const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
-  if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
-    return failSensitivities("the start");
-  return TF_OK;
+  return dynamics_.evaluate(time_, state_.data(), rate_.data()) ? TF_OK : failEvaluation();
 }
 
 // The state becomes that of the end of the integrator's step.

@@ -9,20 +9,6 @@
 
 namespace tf::runtime {
 
-namespace {
-
-// A slip of two components has come to zero. Where the one along its direction does, a slip nearby still has one across, which ends within
-// an instant of the same order.
-bool slipStops(const tf_model &model, const Mode &from, const Mode &to) {
-  const std::vector<int> pair = pairsOfTangents(model);
-  for (int row = 0; row < model.nt; ++row)
-    if (pair[row] == row && to.tangent[row] == Tangent::Stick && from.tangent[row] == Tangent::SlipPositive)
-      return true;
-  return false;
-}
-
-}  // namespace
-
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
   for (int pass = 0; pass < 50; ++pass) {
@@ -60,10 +46,13 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   if (selection.indeterminate)
     transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
   compareModes(model_, previousMode_, mode_, transitions);
-  if (sensitivities_ && slipStops(model_, previousMode_, mode_)) {
+  // Motions nearby that still slip or move apart come to what the mode holds within an instant of the same order.
+  if (sensitivities_) {
     const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
     if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
-      return failSensitivities("the end of a slip");
+      return failSensitivities("the mode that begins");
+    if (sensitivities_->isOneSided())
+      return failSensitivities("an event at which those for larger and for smaller values of a parameter differ");
   }
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());

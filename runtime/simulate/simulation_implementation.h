@@ -91,6 +91,7 @@ private:
   tf_status solveStart();
   tf_status settleStart();
   tf_status differentiateStart();
+  bool startsStayConsistent();
   void startCurrent();
   void startIntegrator();
   void resumeIntegrator();

@@ -236,6 +236,26 @@ constexpr const char *kPolygon = R"(model Puck "as above, on a polygon"
 end Puck;
 )";
 
+constexpr const char *kLanding = R"(model Landing "a box that slides on one corner and falls flat"
+  parameter Real mu = 0.4, e = 0, v = 0.3, J = 0.1;
+  parameter Real tilt = 0.05, turn = -0.2;
+  coordinate Real x(der(start = v)), a(start = tilt, der(start = turn));
+  coordinate Real y(start = 0.5*sin(tilt) + 0.2*cos(tilt), der(start = (0.5*cos(tilt) - 0.2*sin(tilt))*turn));
+  body box(mass = 1, position = {x, y}, angle = a, inertia = J);
+  gravity weight(acceleration = {0, -9.81});
+  Real corner[2, 2] = {{x + s*0.5*cos(a) + 0.2*sin(a), y + s*0.5*sin(a) - 0.2*cos(a)} for s in {-1, 1}};
+  contact floor[2](gap = corner[:, 2], slip = der(corner[:, 1]), each friction = mu, each restitution = e);
+end Landing;
+)";
+constexpr const char *kPendulum = R"(model Pendulum "in Cartesian coordinates, all of which have a start"
+  parameter Real L = 1, angle = 1.2;
+  coordinate Real q[2](start = {L*sin(angle), -L*cos(angle)});
+  body bob(mass = 1, position = q);
+  gravity weight(acceleration = {0, -9.81});
+  constraint rod(residual = q[1]^2 + q[2]^2 - L^2);
+end Pendulum;
+)";
+
 // A model's text, or (without spaces) the name of an example.
 std::string fileOf(const char *model) {
   const std::string text = model;
@@ -295,6 +315,29 @@ INSTANTIATE_TEST_SUITE_P(InSpace, RunDifferences,
                                          Case{kPlate, 0.2, "mu", 0.3}, Case{kPlate, 1, "mu", 0.3, 2e-6}, Case{kPlate, 1, "vx", 1, 2e-6},
                                          Case{kPlate, 1, "w0", 4, 2e-6}, Case{kPolygon, 4, "mu", 0.3}, Case{kPolygon, 4, "angle", 0.4},
                                          Case{kPolygon, 4, "k", 1}));
+
+// The slips of both corners end in the impact or, with less friction, right after it.
+INSTANTIATE_TEST_SUITE_P(Landing, RunDifferences,
+                         testing::Values(Case{kLanding, 0.08, "mu", 0.4, 1e-6}, Case{kLanding, 0.08, "v", 0.3, 1e-6},
+                                         Case{kLanding, 0.08, "J", 0.1, 1e-6}));
+
+INSTANTIATE_TEST_SUITE_P(Constrained, RunDifferences, testing::Values(Case{kPendulum, 2, "angle", 1.2}, Case{kPendulum, 2, "L", 1}));
+
+// With restitution the box does not stay: with more friction it leaves the floor with another velocity than with less.
+TEST(Sensitivities, OfAnImpactWithAKinkAreRefused) {
+  CompiledModel model(fileOf(kLanding), {{"e", 0.2}});
+  differentiateBy(model, {"mu"});
+  try {
+    model.tolerance(1e-10).run(0.08);
+    FAIL() << "no error";
+  } catch (const std::runtime_error &error) {
+    EXPECT_NE(std::string(error.what()).find("for larger and for smaller values of a parameter differ at t = 0.0700911"), std::string::npos)
+        << error.what();
+  }
+  CompiledModel other(fileOf(kLanding), {{"e", 0.2}});
+  differentiateBy(other, {"J"});
+  other.tolerance(1e-10).run(0.08);
+}
 
 // Through the point where infinitely many impacts accumulate.
 INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
