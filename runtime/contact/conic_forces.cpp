@@ -191,9 +191,9 @@ const Eigen::VectorXd &ConicForces::leastNorm() {
   for (double weight = firstWeight; weight >= lastWeight; weight *= reduction)
     center(Aim::LeastNorm, weight * scale_ * scale_);
   least_ = base_ + kernel_ * unknown_;
-  findActive();
-  // To rounding, as the points that follow.
+  // To rounding, as the points that follow; in a thin set, whose limits have dependent slopes, Newton's steps may lead anywhere.
   point_ = least_;
+  findActive();
   if (followLeastNorm() == nullptr) {
     least_ = point_;
     isKnown_ = false;

@@ -91,7 +91,10 @@ void SpatialFrozenPhase::Workspace::chooseTangent(int j) {
   }
   const double length = pair ? std::hypot(acceleration[row], acceleration[row + 1]) : std::abs(acceleration[row]);
   const double terms = pair ? std::max(turnover[row], turnover[row + 1]) : turnover[row];
-  if (length <= motionless * terms && leaving[row] == 0) {
+  // A force that is surely within its limit lets nothing start: what is left of the acceleration is the error of the solution.
+  const double size = pair ? std::hypot(force[row], force[row + 1]) : std::abs(force[row]);
+  const bool holds = size < problem->friction[j] * ((1 - withinLimit) * force[owner] - 10 * feasibility * problem->rate[owner]);
+  if ((holds || length <= motionless * terms) && leaving[row] == 0) {
     mode.setTangent(*problem, j, FrozenMode::Tangent::Stick, 0);
     return;
   }

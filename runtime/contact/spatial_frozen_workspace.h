@@ -23,6 +23,8 @@ struct SpatialFrozenPhase::Workspace {
   static constexpr double feasibility = 1e-9;
   // Accelerations of the iterative solution are zero below this part of the terms that they are sums of.
   static constexpr double solved = 1e-11;
+  // Forces smaller than their limit by this part of it are within it, however inexact the solution is.
+  static constexpr double withinLimit = 1e-6;
   // Relative to the velocities: below `still` the direction of a slip is that of its reference, and a slip that comes to rest is zero; a
   // piece that leaves its straight continuation by less than `straight` is straight.
   static constexpr double still = 2e-11, straight = 1e-13, accuracy = 1e-13;

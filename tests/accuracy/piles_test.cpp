@@ -1,0 +1,95 @@
+// Piles: many bodies with restitution and friction fall between walls, with accumulations of impacts of many contacts at once and with
+// redundant contacts, and come to rest. At rest the walls carry the weight.
+#include "tests/accuracy/compiled_model.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace tf::test {
+namespace {
+
+constexpr double gravity = 9.81;
+
+// The bodies of each pair.
+struct Pairs {
+  std::string first, second;
+  int count = 0;
+
+  explicit Pairs(int bodies) {
+    for (int i = 1; i <= bodies; ++i)
+      for (int k = i + 1; k <= bodies; ++k, ++count) {
+        first += fmt::format("{}{}", count == 0 ? "" : ", ", i);
+        second += fmt::format("{}{}", count == 0 ? "" : ", ", k);
+      }
+  }
+};
+
+std::string pileOfSpheres(int count) {
+  const Pairs pairs(count);
+  return fmt::format(R"(model Spheres "spheres of mass 1 fall on a floor between walls"
+  constant Integer n = {}, m = {};
+  constant Integer a[m] = {{{}}}, b[m] = {{{}}};
+  parameter Real R = 0.1, w = 0.25, mu = 0.4, e = 0.3;
+  coordinate Real c[n, 3](start = {{{{0.12*(-1)^k, 0.1*(-1)^div(k, 2), 0.12 + 0.22*k}} for k in 1:n}});
+  coordinate Rotation Q[n];
+  Real omega[n, 3] = {{Q[k]*Q[k].w for k in 1:n}};
+  body ball[n](each mass = 1, position = c, orientation = Q, each inertia = 0.4*R^2*identity(3));
+  gravity g(acceleration = {{0, 0, -9.81}});
+  contact floor[n](gap = c[:, 3] - fill(R, n), each friction = mu, each restitution = e,
+    slip = {{{{der(c[k, 1]) - R*omega[k, 2], der(c[k, 2]) + R*omega[k, 1]}} for k in 1:n}});
+  contact right[n](gap = fill(w - R, n) - c[:, 1], each friction = mu, each restitution = e,
+    slip = {{{{der(c[k, 2]) + R*omega[k, 3], der(c[k, 3]) - R*omega[k, 2]}} for k in 1:n}});
+  contact left[n](gap = fill(w - R, n) + c[:, 1], each friction = mu, each restitution = e,
+    slip = {{{{der(c[k, 2]) - R*omega[k, 3], der(c[k, 3]) + R*omega[k, 2]}} for k in 1:n}});
+  contact back[n](gap = fill(w - R, n) - c[:, 2], each friction = mu, each restitution = e,
+    slip = {{{{der(c[k, 1]) - R*omega[k, 3], der(c[k, 3]) + R*omega[k, 1]}} for k in 1:n}});
+  contact front[n](gap = fill(w - R, n) + c[:, 2], each friction = mu, each restitution = e,
+    slip = {{{{der(c[k, 1]) + R*omega[k, 3], der(c[k, 3]) - R*omega[k, 1]}} for k in 1:n}});
+  Real d[m, 3] = {{c[b[k], :] - c[a[k], :] for k in 1:m}};
+  contact pair[m](gap = {{sqrt(d[k, :]*d[k, :]) - 2*R for k in 1:m}}, each restitution = e);
+  output Real height = sum(c[:, 3]);
+  output Real lift = sum(floor.normalForce)
+    + sum(right.frictionForce[:, 2] + left.frictionForce[:, 2] + back.frictionForce[:, 2] + front.frictionForce[:, 2]);
+end Spheres;
+)",
+                     count, pairs.count, pairs.first, pairs.second);
+}
+
+double fastest(const CompiledModel &model) {
+  double speed = 0;
+  for (const double v : model.valuesOf(TF_KIND_VELOCITY))
+    speed = std::max(speed, std::abs(v));
+  return speed;
+}
+
+void expectInvariants(const CompiledModel &model) {
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_GE(statistics.worst_gap, -1e-9);
+  EXPECT_GE(statistics.worst_normal_force, -1e-7 * statistics.largest_normal_force);
+  EXPECT_LT(statistics.worst_energy_error, 1e-7);
+}
+
+TEST(Piles, TenSpheresComeToRest) {
+  constexpr int count = 10;
+  constexpr double tolerance = 1e-5;
+  CompiledModel model(sourceFile("spheres.tf", pileOfSpheres(count)));
+  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  model.tolerance(tolerance).initialise();
+  double energy = model.energy();
+  for (int k = 1; k <= 14; ++k) {
+    model.advance(0.2 * k);
+    EXPECT_LE(model.energy(), energy + 0.1 * tolerance) << model.time();
+    energy = model.energy();
+  }
+  expectInvariants(model);
+  EXPECT_LT(fastest(model), 1e-9);
+  EXPECT_NEAR(energy, gravity * model["height"], 1e-9);
+  EXPECT_NEAR(model["lift"], count * gravity, 1e-7);
+}
+
+}  // namespace
+}  // namespace tf::test
