@@ -8,12 +8,15 @@
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace tf::driver {
 
 namespace {
 
 constexpr double kMostRows = 1e8;
+// Neighbouring numbers, at the largest time of a run, are at most this part of its length apart.
+constexpr double kCoarsest = 1e-8;
 constexpr int kDefaultIntervals = 500;
 constexpr double kDefaultTolerance = 1e-6;
 
@@ -41,6 +44,10 @@ Grid gridOf(const RunOptions &options, const tf_model &model, Session &session) 
   const double length = grid.span.stop - grid.span.start;
   if (length < 0)
     session.diagnostics.report(diag::EmptyTimeSpan, {}, number(grid.span.stop), number(grid.span.start));
+  const double latest = std::max(std::abs(grid.span.start), std::abs(grid.span.stop));
+  const double apart = std::numeric_limits<double>::epsilon() * latest;
+  if (length > 0 && apart > kCoarsest * length)
+    session.diagnostics.report(diag::CoarseTimes, {}, number(latest), apart, number(length));
   grid.interval = options.interval.value_or(given(model.interval).value_or(0));
   if (grid.interval <= 0) {
     grid.interval = 0;

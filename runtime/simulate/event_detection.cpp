@@ -463,6 +463,13 @@ void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
   }
 }
 
+bool EventDetection::hasUndefined() const {
+  for (std::size_t k = 0; k < starts_.size(); ++k)
+    if (std::isnan(end_.value[k]) && !isForceGuard(dynamics_.guards()[k].kind))
+      return true;
+  return false;
+}
+
 void EventDetection::advance() {
   for (std::size_t k = 0; k < starts_.size(); ++k)
     if (end_.value[k] > threshold(static_cast<int>(k)))

@@ -40,6 +40,8 @@ public:
   [[nodiscard]] bool isCut() const { return cut_; }
   // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
   DetectedEvent detect();
+  // A gap, slip or condition is no number at the end of the step.
+  [[nodiscard]] bool hasUndefined() const;
   // The step ended without an event: its end is the begin of the next one.
   void advance();
   // Ends the integrator's step where the guard is zero, with the step's length as an unknown: to rounding, at the order of the method.

@@ -111,7 +111,13 @@ std::string FailureTexts::negativeFriction(const Mode *mode) {
 
 std::string FailureTexts::singularMass() const {
   const int row = std::max(at_.mobility.mass().failedRow(), 0);
-  return fmt::format("no inertia acts on '{}'", instance_.nameOf(model_.nq == model_.nv ? TF_KIND_COORDINATE : TF_KIND_VELOCITY, row));
+  const std::string name = instance_.nameOf(model_.nq == model_.nv ? TF_KIND_COORDINATE : TF_KIND_VELOCITY, row);
+  for (int column = 0; column < model_.nv; ++column)
+    if (const double entry = at_.massMatrix[static_cast<std::size_t>(row) * model_.nv + column]; !std::isfinite(entry))
+      return fmt::format("{} in the inertia that acts on '{}'", nameOfNonFinite(entry), name);
+  if (const double inertia = at_.massMatrix[static_cast<std::size_t>(row) * (model_.nv + 1)]; inertia < 0)
+    return fmt::format("the inertia that acts on '{}' is {:.6g}, it cannot be negative", name, inertia);
+  return fmt::format("the mass matrix is singular: no inertia acts on '{}'", name);
 }
 
 std::string FailureTexts::evaluation() {
@@ -120,8 +126,10 @@ std::string FailureTexts::evaluation() {
   case EvaluationFailure::None:
     return fmt::format("the implicit equations of a step to an event have no solution at t = {:.10g}", time);
   case EvaluationFailure::SingularMass:
-    return fmt::format("the mass matrix is singular at t = {:.10g}: {}", time, singularMass());
+    return fmt::format("{} at t = {:.10g}", singularMass(), time);
   case EvaluationFailure::SingularContact:
+    if (const std::string text = nonFiniteContact(); !text.empty())
+      return fmt::format("{} at t = {:.10g}", text, time);
     return fmt::format("the contact forces have no solution at t = {:.10g}", time);
   case EvaluationFailure::SlidingDiverged:
     return fmt::format("the sliding mode of the switches has no solution at t = {:.10g}", time);
@@ -147,7 +155,46 @@ std::string FailureTexts::nonFinite() {
                          place(TF_KIND_ACCELERATION, i));
   if (std::string text = nonFiniteConstraint(); !text.empty())
     return text;
+  if (std::string text = nonFiniteContact(); !text.empty())
+    return text;
   return "a value that is not finite";
+}
+
+std::string FailureTexts::nonFiniteContact() {
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  at_.contactTerms(all_.data());
+  const auto firstOf = [](const double *first, int count) {
+    const double *bad = std::find_if(first, first + count, [](double value) { return !std::isfinite(value); });
+    return bad == first + count ? 0.0 : *bad;
+  };
+  const auto found = [](double value, std::string_view what, std::string_view kind, const char *name, const tf_location &location) {
+    return fmt::format("{} in the {} of {} '{}' {}", nameOfNonFinite(value), what, kind, name, sourceOf(location));
+  };
+  const auto slipOf = [&](int row, int count) {
+    for (; count > 0; ++row, --count)
+      for (const double value : {at_.slip[row], at_.tangentBias[row], firstOf(at_.tangent.data() + row * model_.nv, model_.nv)})
+        if (!std::isfinite(value))
+          return value;
+    return 0.0;
+  };
+  for (int i = 0; i < model_.nc; ++i) {
+    const tf_contact &contact = model_.contacts[i];
+    for (const double value : {at_.gap[i], at_.gapRate[i], at_.normalBias[i], firstOf(at_.normal.data() + i * model_.nv, model_.nv)})
+      if (!std::isfinite(value))
+        return found(value, "gap", "contact", contact.name, contact.location);
+    if (const double value = slipOf(contact.tangent_first, contact.tangent_count); !std::isfinite(value))
+      return found(value, "slip", "contact", contact.name, contact.location);
+    if (!std::isfinite(at_.friction[i]))
+      return found(at_.friction[i], "friction coefficient", "contact", contact.name, contact.location);
+  }
+  for (int i = 0; i < model_.nf; ++i) {
+    const tf_friction &friction = model_.frictions[i];
+    if (const double value = slipOf(friction.tangent_first, friction.tangent_count); !std::isfinite(value))
+      return found(value, "slip", "friction element", friction.name, friction.location);
+    if (const double bound = at_.bound[friction.tangent_first]; !std::isfinite(bound))
+      return found(bound, "bound", "friction element", friction.name, friction.location);
+  }
+  return {};
 }
 
 std::string FailureTexts::nonFiniteConstraint() {

@@ -29,7 +29,11 @@ public:
   // evaluation's point.
   std::string negativeFriction(const Mode *mode = nullptr);
 
+  // "the mass matrix is singular: …", or what is wrong with it.
   [[nodiscard]] std::string singularMass() const;
+  // The first contact or friction element whose gap, slip, friction or bound, or a derivative of it, is no finite number at the
+  // evaluation's point.
+  std::string nonFiniteContact();
   // The failure of the dynamics' last evaluation.
   std::string evaluation();
 

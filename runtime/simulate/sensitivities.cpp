@@ -21,7 +21,7 @@ Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instan
       parameters_(instance.parameters().begin(), instance.parameters().end()), shifted_(parameters_),
       matrix_(Eigen::MatrixXd::Zero(n_, static_cast<Eigen::Index>(columns.size()))),
       eventTime_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()))), state_(static_cast<std::size_t>(dynamics.size())),
-      rate_(static_cast<std::size_t>(dynamics.size())), nodes_(gaussNodes()) {
+      rate_(static_cast<std::size_t>(dynamics.size())), nodes_(gaussNodes()), refinement_(columns.size(), 1.0) {
   for (std::size_t k = 0; k < columns.size(); ++k)
     columns_[k].variable = columns[k];
   const int stages = static_cast<int>(nodes_.size());
@@ -302,8 +302,9 @@ double Sensitivities::alongScale(int column) const {
 bool Sensitivities::differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time,
                                   const double *state, int column, int count, double *derivative) {
   std::copy_n(state, state_.size(), state_.begin());
-  const bool isGood = difference(along(values, time, state, column), alongScale(column), count, derivative);
-  shift(columns_[static_cast<std::size_t>(column)], 0);
+  const auto place = static_cast<std::size_t>(column);
+  const bool isGood = difference(along(values, time, state, column), alongScale(column) * refinement_[place], count, derivative);
+  shift(columns_[place], 0);
   return isGood;
 }
 
@@ -336,7 +337,7 @@ template <class Function> bool Sensitivities::kink(const Function &function, dou
 
 // Into jump_, where the map has a kink. False: it has none.
 bool Sensitivities::findKink(const Map &map, double time, const double *state) {
-  constexpr double visible = 1e-3;  // maps are known to tolerances of about 1e-3 of the differences' step
+  constexpr double visible = 1e-3, finest = 1e3;
   const auto values = [&](double at, double *point, double *result) {
     if (!map(at, point))
       return false;
@@ -348,12 +349,19 @@ bool Sensitivities::findKink(const Map &map, double time, const double *state) {
   std::copy_n(state, state_.size(), state_.begin());
   for (int k = 0; k < columnCount(); ++k) {
     const double scale = alongScale(k);
-    const bool isKnown = kink(along(values, time, state, k), scale, jump_.col(k).data());
+    auto jump = jump_.col(k);
+    bool isThere = true;
+    // A kink nearby is out of reach of smaller steps.
+    for (double &finer = refinement_[static_cast<std::size_t>(k)] = 1; isThere; finer *= 10) {
+      isThere = kink(along(values, time, state, k), scale * finer, jump.data()) && jump.allFinite() &&
+                jump.lpNorm<Eigen::Infinity>() > visible * scale;
+      if (!isThere || finer >= finest)
+        break;
+    }
     shift(columns_[static_cast<std::size_t>(k)], 0);
-    if (isKnown && jump_.col(k).allFinite() && jump_.col(k).lpNorm<Eigen::Infinity>() > visible * scale)
-      found = true;
-    else
-      jump_.col(k).setZero();
+    if (!isThere)
+      jump.setZero();
+    found = found || isThere;
   }
   return found;
 }
@@ -363,7 +371,9 @@ bool Sensitivities::propagate(const Map &map, double time, const double *state) 
     const bool hasKink = findKink(map, time, state);
     if (!hasKink)
       jump_.resize(0, 0);
-    return mapColumns(map, time, state);
+    const bool isGood = mapColumns(map, time, state);
+    std::fill(refinement_.begin(), refinement_.end(), 1.0);
+    return isGood;
   }
   const Eigen::MatrixXd mean = matrix_, half = 0.5 * jump_;
   matrix_ = mean + half;

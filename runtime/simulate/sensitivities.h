@@ -96,6 +96,7 @@ private:
   Eigen::VectorXd lastEventTime_;             // of the event that ended last
   std::vector<double> state_, rate_, samples_;
   std::vector<double> nodes_, weights_, coefficients_;  // of the Gauss method
+  std::vector<double> refinement_;                      // of each column's differences of a map
   // workspaces of addStep: A and b at the nodes, the Jacobian with τ, the stages' system, its right-hand side and solution
   std::vector<Eigen::MatrixXd> slopes_, offsets_;
   Eigen::MatrixXd jacobian_, system_, right_, increments_, before_, product_;

@@ -144,7 +144,7 @@ tf_status Simulation::Implementation::takeStarts() {
   if (std::string text = failures_.startValues(state_.data()); !text.empty())
     return fail(std::move(text));
   if (!at_.setParameters(parameters_.data()))
-    return fail(fmt::format("the mass matrix is singular: {}", failures_.singularMass()));
+    return fail(failures_.singularMass());
   enterSegment();
   selection_.setStepVariables(time_, state_.data(), mode_);
   if (std::string text = failures_.contactParameters(); !text.empty())
@@ -314,6 +314,9 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
   if (dynamics_.evaluate(time_, state_.data(), rate_.data()))
     if (const int contact = dynamics_.jammedContact(); contact >= 0)
       return jam(contact);
+  // The equations end here.
+  if (const double ahead = lookAhead(); !dynamics_.evaluate(ahead, interpolated_.data(), rate_.data()))
+    return failEvaluation();
   return failAt(fmt::format("the integrator cannot meet tolerance {:.3g}", owner_.options.tolerance));
 }
 
@@ -338,6 +341,9 @@ tf_status Simulation::Implementation::step(double limit) {
   const DetectedEvent event = detection_.detect();
   if (event.guard >= 0)
     return handle(event, limit);
+  if (detection_.hasUndefined())
+    if (const std::string text = failures_.nonFiniteContact(); !text.empty())
+      return fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
   detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;

@@ -24,6 +24,8 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
         return status;
       continue;
     case SelectionStatus::Failed:
+      if (const std::string text = undefinedContact(); !text.empty())
+        return failAt(text);
       if (selection.text.empty())
         return failEvaluation();
       return failAt(selection.text);
@@ -31,7 +33,14 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
       return enterMode(selection, transitions);
     }
   }
-  return failAt("no consistent continuation after the impact");
+  const std::string text = undefinedContact();
+  return failAt(text.empty() ? "no consistent continuation after the impact" : text);
+}
+
+// Of the contacts and friction elements at (time_, state_).
+std::string Simulation::Implementation::undefinedContact() {
+  at_.setPoint(time_, state_.data());
+  return failures_.nonFiniteContact();
 }
 
 tf_status Simulation::Implementation::enterMode(const Selection &selection, std::vector<Transition> &transitions) {
@@ -266,15 +275,20 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
 }
 
+// The state that (time_, state_), moving on along rate_, reaches within what the tolerance leaves open, into interpolated_; its time.
+double Simulation::Implementation::lookAhead() {
+  const double ahead = owner_.options.tolerance * std::max(1.0, std::abs(time_));
+  for (int i = 0; i < n_; ++i)
+    interpolated_[i] = state_[i] + ahead * rate_[i];
+  return time_ + ahead;
+}
+
 // The guard of a switch that (time_, state_), moving on along its rate, reaches within what the tolerance leaves open; −1: none.
 int Simulation::Implementation::switchAhead() {
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return -1;
   const std::vector<Guard> &guards = dynamics_.guards();
-  const double ahead = owner_.options.tolerance * std::max(1.0, std::abs(time_));
-  for (int i = 0; i < n_; ++i)
-    interpolated_[i] = state_[i] + ahead * rate_[i];
-  at_.setPoint(time_ + ahead, interpolated_.data());
+  at_.setPoint(lookAhead(), interpolated_.data());
   at_.switching(ModelEvaluation::Conditions);
   for (std::size_t k = 0; k < guards.size(); ++k)
     if (guards[k].kind == GuardKind::Condition && dynamics_.guardValue(static_cast<int>(k)) < 0)

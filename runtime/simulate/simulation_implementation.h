@@ -91,6 +91,7 @@ private:
   tf_status solveStart();
   tf_status settleStart();
   tf_status differentiateStart();
+  std::string undefinedContact();
   bool startsStayConsistent();
   void startCurrent();
   void startIntegrator();
@@ -115,6 +116,7 @@ private:
   void closeTogether(const std::vector<int> &contacts);
   tf_status stopTogether(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
+  double lookAhead();
   int switchAhead();
   tf_status passSwitch(int guard, double limit);
   tf_status differentiateEvent(int guard);

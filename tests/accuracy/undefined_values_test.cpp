@@ -1,0 +1,83 @@
+// Gaps, slips, friction and masses that are no numbers end the run with their name and place: nothing goes on through them.
+#include "tests/accuracy/compiled_model.h"
+
+#include <gtest/gtest.h>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+
+namespace tf::test {
+namespace {
+
+struct Undefined {
+  const char *name, *contact, *message;
+  double earliest, latest;
+};
+
+std::ostream &operator<<(std::ostream &out, const Undefined &u) { return out << u.name; }
+
+class UndefinedValues : public testing::TestWithParam<Undefined> {};
+
+TEST_P(UndefinedValues, EndTheRun) {
+  const Undefined &u = GetParam();
+  const std::string body = "model A\n  coordinate Real x(der(start = 1)), y;\n  body b(mass = 1, position = {x, y});\n"
+                           "  gravity g(acceleration = {0, -9.81});\n  ";
+  const std::string file = sourceFile(std::string("undefined_") + u.name + ".tf", body + u.contact + ";\nend A;\n");
+  for (const tf_integrator integrator : integrators) {
+    CompiledModel model(file);
+    model.tolerance(1e-8).integrator(integrator);
+    std::string text;
+    try {
+      model.initialise();
+      for (int k = 1; k <= 50; ++k)
+        model.advance(0.02 * k);
+    } catch (const std::runtime_error &error) {
+      text = error.what();
+    }
+    EXPECT_NE(text.find(u.message), std::string::npos) << text;
+    if (u.latest > 0) {
+      EXPECT_GE(model.time(), u.earliest);
+      EXPECT_LE(model.time(), u.latest);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Contacts, UndefinedValues,
+    testing::Values(Undefined{"gap", "contact c(gap = y + 10 - sqrt(0.5 - time))", "NaN in the gap of contact 'c' (", 0.47, 0.53},
+                    Undefined{"gap_by_state", "contact c(gap = sqrt(0.5 - x) + y + 10)", "NaN in the gap of contact 'c' (", 0.47, 0.53},
+                    Undefined{"slip", "contact c(gap = y, slip = der(x) - sqrt(0.5 - time), friction = 0.01)",
+                              "NaN in the slip of contact 'c' (", 0.47, 0.53},
+                    Undefined{"slip_at_the_start", "contact c(gap = y, slip = der(x) - sqrt(-1 - time), friction = 0.01)",
+                              "NaN in the slip of contact 'c' (", 0, 0},
+                    Undefined{"friction", "contact c(gap = y, slip = der(x), friction = 0.01*sqrt(0.5 - time))",
+                              "NaN in the friction coefficient of contact 'c' (", 0.47, 0.53},
+                    Undefined{"bound", "friction c(slip = der(x), bound = 0.01*sqrt(0.5 - time))",
+                              "NaN in the bound of friction element 'c' (", 0.47, 0.53}),
+    [](const auto &tested) { return std::string(tested.param.name); });
+
+TEST(UndefinedMass, IsNamed) {
+  const std::string file = sourceFile("undefined_mass.tf", R"(
+model A
+  parameter Real m = 1;
+  coordinate Real x(der(start = 1));
+  body b(mass = if m > 2 then sqrt(2 - m) else m, position = x);
+end A;
+)");
+  const auto message = [&](double mass) {
+    CompiledModel model(file, {{"m", mass}});
+    try {
+      model.initialise();
+    } catch (const std::runtime_error &error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(message(1), "");
+  EXPECT_NE(message(0).find("the mass matrix is singular: no inertia acts on 'x'"), std::string::npos) << message(0);
+  EXPECT_NE(message(-1).find("the inertia that acts on 'x' is -1, it cannot be negative"), std::string::npos) << message(-1);
+  EXPECT_NE(message(3).find("NaN in the inertia that acts on 'x'"), std::string::npos) << message(3);
+}
+
+}  // namespace
+}  // namespace tf::test
