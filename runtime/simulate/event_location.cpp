@@ -10,6 +10,8 @@ namespace tf::runtime {
 // The step's length h is an unknown together with the state: Newton's method on guard(y(t0 + h)) = 0 with the element solved anew for each
 // h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
 bool EventDetection::locate(DetectedEvent &event) {
+  // The slope of the interpolant serves while it leads to the zero.
+  constexpr double poor = 0.5;
   if (integrator_->isExactInside() && moveInside(event))
     return true;
   if (endsNearby(event))
@@ -18,7 +20,7 @@ bool EventDetection::locate(DetectedEvent &event) {
   const double zero = level(guard);
   const double begin = integrator_->beginTime();
   double low = begin, high = std::max(event.high, event.time);
-  double x = event.time, slope = event.slope;
+  double x = event.time, slope = event.slope, previous = x, previousValue = 0;
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x))
       return false;
@@ -28,6 +30,10 @@ bool EventDetection::locate(DetectedEvent &event) {
     (value >= 0 ? low : high) = x;
     if (dynamics_.guards()[guard].kind == GuardKind::Gap)
       slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
+    else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
+      slope = (value - previousValue) / (x - previous);
+    previous = x;
+    previousValue = value;
     const double correction = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
     if (std::abs(correction) <= integrator_->reach() * (x - begin) && extend(guard, zero, value, slope, x, event))
       return true;
@@ -35,12 +41,13 @@ bool EventDetection::locate(DetectedEvent &event) {
       return nudge(guard, zero, value, slope, x, event);
     double next = x + correction;
     if (!(next > low && next < high)) {
-      // The element's own zero may lie a little beyond the bracket that the interpolant gave.
-      if (value >= 0 && x >= high - 1e-12 * (high - begin) && k < 4) {
+      // The element's own zero may lie a little beyond the bracket that the interpolant gave; or its guard does not fall at all, which the
+      // end of the bracket shows.
+      if (slope < 0 && value >= 0 && x >= high - 1e-12 * (high - begin) && k < 4) {
         high = x + 0.1 * (x - begin);
         next = std::min(next, high);
       } else {
-        next = 0.5 * (low + high);
+        next = slope >= 0 && value >= 0 ? high : 0.5 * (low + high);
       }
     }
     if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {

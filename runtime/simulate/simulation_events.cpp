@@ -105,9 +105,10 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
     energy_->addImpact(time_, incoming_.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
-  if (!impact_.isElastic())
-    if (const tf_status status = stopTogether(contacts, slow); status != TF_OK)
-      return status;
+  const bool turns = std::any_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); });
+  const tf_status stopped = !turns ? stopFaint(contacts) : impact_.isElastic() ? TF_OK : stopSlow(contacts, slow);
+  if (stopped != TF_OK)
+    return stopped;
   for (int i : approaching)
     transitions.push_back({TF_EVENT_IMPACT, i});
   return TF_OK;
@@ -151,11 +152,28 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
   std::copy_n(moved.begin(), model_.nq, state_.begin());
 }
 
-// After an impact that the tolerance does not see: what is left of the velocities of these contacts and is as slow becomes zero. Slips with
-// two components have no direction there that is more than an error, and would start one another again and again.
-tf_status Simulation::Implementation::stopTogether(const std::vector<int> &contacts, double slow) {
-  if (std::none_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); }))
+// An impact of one of many contacts shakes the others, and these shake one another in hops that last an instant and are lower than any
+// rounding error. Where an impact leaves velocities of touching contacts so far below the tolerance, they end at once.
+tf_status Simulation::Implementation::stopFaint(const std::vector<int> &contacts) {
+  constexpr double faint = 1e-3;
+  if (contacts.size() < 2)
     return TF_OK;
+  const double still = selection_.velocityTolerance(state_.data());
+  const double slow = faint * integrators_.current().settings().tolerance * velocityScale();
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  const auto isFaint = [&](double velocity) { return std::abs(velocity) > still && std::abs(velocity) <= slow; };
+  const auto stops = [&](int i) {
+    const tf_contact &contact = model_.contacts[i];
+    const double *slip = at_.slip.data() + contact.tangent_first;
+    return isFaint(at_.gapRate[i]) || (std::abs(at_.gapRate[i]) <= still && std::any_of(slip, slip + contact.tangent_count, isFaint));
+  };
+  return std::any_of(contacts.begin(), contacts.end(), stops) ? stopSlow(contacts, slow) : TF_OK;
+}
+
+// Gap rates and slips of these contacts that are not faster become zero, if they can together. After impacts that the tolerance does not
+// see those of two components do: they have no direction there that is more than an error, and would start one another again and again.
+tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts, double slow) {
   Mode &resting = restingMode_;
   resting = mode_;
   at_.setPoint(time_, state_.data());
@@ -456,11 +474,17 @@ tf_status Simulation::Implementation::jam(int contact) {
 
 // Slips that are slower may be taken for zero: far within the tolerance of velocities.
 double Simulation::Implementation::stopTolerance() {
+  const double tolerance = integrators_.current().settings().tolerance;
+  return std::max(0.05 * tolerance * velocityScale(), 10 * selection_.velocityTolerance(state_.data()));
+}
+
+// The largest velocity or scale of one, at least 1.
+double Simulation::Implementation::velocityScale() {
   const IntegratorSettings &settings = integrators_.current().settings();
   double scale = 1;
   for (int i = 0; i < model_.nv; ++i)
     scale = std::max({scale, settings.scale[model_.nq + i], std::abs(state_[model_.nq + i])});
-  return std::max(0.05 * settings.tolerance * scale, 10 * selection_.velocityTolerance(state_.data()));
+  return scale;
 }
 
 // The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within

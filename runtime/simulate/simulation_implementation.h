@@ -114,7 +114,8 @@ private:
   tf_status freeze(std::vector<Transition> &transitions, int forced);
   double projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
-  tf_status stopTogether(const std::vector<int> &contacts, double slow);
+  tf_status stopFaint(const std::vector<int> &contacts);
+  tf_status stopSlow(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
   double lookAhead();
   int switchAhead();
@@ -124,6 +125,7 @@ private:
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
   double stopTolerance();
+  double velocityScale();
   bool locateStop(DetectedEvent &event);
   tf_status followTurn(const DetectedEvent &event);
   tf_status approach(const DetectedEvent &event);
