@@ -229,6 +229,10 @@ LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double
   }
   loadPolyhedron(polyhedron_);
   const LeastNorm::Status status = polyhedron_.solve(tolerance * forceScale_, redundantResidual * forceScale_);
+  dependent_.clear();
+  for (int r = 0; r < activeCount(); ++r)
+    if (const std::vector<int> &active = polyhedron_.active(); std::find(active.begin(), active.end(), r) == active.end())
+      dependent_.push_back(r);
   expandPoint(polyhedron_.point().data());
   return status;
 }
@@ -339,13 +343,15 @@ void ForceSet::loadActive() {
       loadLimit(polyhedron_, constraint - k);
 }
 
-double ForceSet::contradiction() {
-  const std::vector<int> &active = polyhedron_.active();
-  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
-  for (int r = 0; r < activeCount(); ++r)
-    if (std::find(active.begin(), active.end(), r) == active.end())
-      loadEquation(polyhedron_, r);
-  return polyhedron_.contradiction() / forceScale_;
+// What is left of the accelerations of dependent rows, by the lengths that these had when the set was chosen.
+double ForceSet::contradiction() const {
+  double worst = 0;
+  for (const int r : dependent_) {
+    const int row = equations_.active()[r];
+    const double rest = rows_.bias[row] + denseDot(rows_.delassus->column(row), forces_.data(), rows_.normalCount + rows_.tangentCount);
+    worst = std::max(worst, std::abs(rest) / length_[r]);
+  }
+  return worst / forceScale_;
 }
 
 LeastNorm::Status ForceSet::activate(int k) {

@@ -27,9 +27,8 @@ public:
 
   // The unique force; false where the matrix is singular. Results in forces(), accelerations().
   bool solveRegular(const ContactProblem &problem);
-  // Of the matrix of the last solveRegular: its determinant as a product, and that of another point of the mode divided by it.
-  void determinant(std::vector<double> &factors) const { factor_.determinant(factors); }
-  [[nodiscard]] double determinantOver(const std::vector<double> &factors) const { return factor_.determinantOver(factors); }
+  // The matrix of the last solveRegular.
+  [[nodiscard]] const LuFactor &factor() const { return factor_; }
   // Directional derivative after solveRegular, or after solveLeastNorm or solveActive, see ModeForces::forceRates.
   void forceRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
   void leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
@@ -55,8 +54,8 @@ public:
   }
 
   // How far rows of a polyhedron that depended on others when it was chosen contradict them now, relative to the force scale.
-  [[nodiscard]] bool mayContradict() const { return !conic_ && polyhedron_.dependent(); }
-  [[nodiscard]] double contradiction();
+  [[nodiscard]] bool mayContradict() const { return !conic_ && !dependent_.empty(); }
+  [[nodiscard]] double contradiction() const;
 
   // Of a saturated limit of a polyhedron, in the unit of forces.
   [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
@@ -91,6 +90,7 @@ private:
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
   std::vector<double> offset_, fixed_, unknown_, weight_, inverseWeight_, forces_, accelerations_;
+  std::vector<int> dependent_;              // of the equations of a polyhedron: those that depended on others in the last solveLeastNorm
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
   DenseMatrix matrix_;
   double forceScale_ = 0;

@@ -71,16 +71,16 @@ double LuFactor::signOfExchanges() const {
   return sign;
 }
 
-void LuFactor::determinant(std::vector<double> &factors) const {
+void LuFactor::inverseDeterminant(std::vector<double> &factors) const {
   factors.resize(lu_.rows());
   for (int k = 0; k < lu_.rows(); ++k)
-    factors[k] = lu_(k, k) * (k == 0 ? signOfExchanges() : 1);
+    factors[k] = (k == 0 ? signOfExchanges() : 1) / lu_(k, k);
 }
 
-double LuFactor::determinantOver(const std::vector<double> &factors) const {
+double LuFactor::determinantTimes(const std::vector<double> &factors) const {
   double ratio = signOfExchanges();
   for (int k = 0; k < lu_.rows(); ++k)
-    ratio *= lu_(k, k) / factors[k];
+    ratio *= lu_(k, k) * factors[k];
   return ratio;
 }
 

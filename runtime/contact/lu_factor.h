@@ -20,10 +20,10 @@ public:
   // b ← A⁻¹ b.
   void solve(double *b) const;
 
-  // The determinant as a product: pivots, the first one with the sign of the row exchanges; and such a product of another matrix of the
-  // same size divided by it, factor by factor.
-  void determinant(std::vector<double> &factors) const;
-  [[nodiscard]] double determinantOver(const std::vector<double> &factors) const;
+  // 1/determinant as a product: of the pivots, the first one with the sign of the row exchanges; and the determinant of another matrix of
+  // the same size times such a product, factor by factor.
+  void inverseDeterminant(std::vector<double> &factors) const;
+  [[nodiscard]] double determinantTimes(const std::vector<double> &factors) const;
 
 private:
   bool factorTwo(double singular);

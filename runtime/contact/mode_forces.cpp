@@ -38,14 +38,13 @@ struct ModeForces::Workspace {
   bool isCurrent = true;           // `values` are those of the last evaluation
   double allowed = contradiction;  // between redundant rows
   bool mayPress = false;
-  std::vector<double> firstDeterminant;
-  double firstScale = 0;  // the largest force at the begin
+  PressingMargin pressing;
 
   void beginPressing() {
-    set.determinant(firstDeterminant);
-    firstScale = 0;
+    set.factor().inverseDeterminant(pressing.inverseDeterminant);
+    pressing.scale = 0;
     for (const double force : set.forces())
-      firstScale = std::max(firstScale, std::abs(force));
+      pressing.scale = std::max(pressing.scale, std::abs(force));
   }
   void listMargins() {
     margins.clear();
@@ -66,7 +65,7 @@ struct ModeForces::Workspace {
       margins.push_back({{ModeMargin::pressing, 0}, false});
     values.resize(margins.size());
   }
-  // Margins are needed at the ends of steps only.
+  // Margins are computed when they are read.
   void setProblem(const ContactProblem &at) {
     problem = &at;
     isCurrent = false;
@@ -79,7 +78,7 @@ struct ModeForces::Workspace {
     case ModeMargin::contradiction:
       return set.forceScale() * (1 - set.contradiction() / allowed);
     case ModeMargin::pressing:
-      return firstScale * (set.determinantOver(firstDeterminant) + ModeMargin::pressed);
+      return pressing.value(set.factor().determinantTimes(pressing.inverseDeterminant));
     default:
       break;
     }
@@ -131,7 +130,7 @@ std::span<const double> ModeForces::marginValues() const {
   return w.values;
 }
 
-const std::vector<double> &ModeForces::firstDeterminant() const { return work_->firstDeterminant; }
+const PressingMargin &ModeForces::pressing() const { return work_->pressing; }
 
 MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;

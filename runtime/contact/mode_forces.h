@@ -8,6 +8,7 @@
 
 #include <memory>
 #include <span>
+#include <vector>
 
 namespace tf::runtime {
 
@@ -25,6 +26,15 @@ struct ModeMargin {
 enum class MarginOutcome : std::uint8_t {
   ModeEnds,  // no force of the mode remains admissible: find the successor with ContactSolver
   Rechosen   // the mode goes on with another least-norm representative (the margins have changed)
+};
+
+// Of slips that may press their contacts in: how far the matrix of the forces is from being singular.
+struct PressingMargin {
+  std::vector<double> inverseDeterminant;  // of the matrix at the begin of the mode, as a product (LuFactor)
+  double scale = 0;                        // the largest force there
+
+  // Of the determinant relative to that of the begin.
+  [[nodiscard]] double value(double determinant) const { return scale * (determinant + ModeMargin::pressed); }
 };
 
 // The problem passed to `start` or `evaluate` last must exist while the results are used.
@@ -50,8 +60,8 @@ public:
   // The inequalities of the mode, a smooth function each, and their values at the last evaluation (forces' unit).
   [[nodiscard]] std::span<const ModeMargin> margins() const;
   [[nodiscard]] std::span<const double> marginValues() const;
-  // For a margin with the row `pressing`: the determinant at the begin of the mode, as a product (LuFactor::determinant).
-  [[nodiscard]] const std::vector<double> &firstDeterminant() const;
+  // Of the margin with the row `pressing`, if there is one.
+  [[nodiscard]] const PressingMargin &pressing() const;
 
   // The margin has reached zero at the last evaluation and would become negative: can the mode go on with another representative?
   MarginOutcome cross(int margin);

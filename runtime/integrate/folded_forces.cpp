@@ -32,27 +32,17 @@ void FoldedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
     values_.assign(start.marginValues().begin(), start.marginValues().end());
   }
   isSmall_ = chooseSmall(at, rows, problem);
-  beginPressing(start);
-}
-
-void FoldedForces::beginPressing(const ModeForces &start) {
-  firstDeterminant_.clear();
-  for (std::size_t k = 0; k < margins_.size(); ++k) {
-    if (margins_[k].limit.row != ModeMargin::pressing)
-      continue;
-    firstDeterminant_ = start.firstDeterminant();
-    firstScale_ = values_[k] / (1 + ModeMargin::pressed);
-  }
+  inverseDeterminant_ = 1;
+  if (std::none_of(margins_.begin(), margins_.end(), [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; }))
+    return;
+  pressing_ = start.pressing();
+  for (const double factor : pressing_.inverseDeterminant)
+    inverseDeterminant_ *= factor;
 }
 
 // Of the equations of the last evaluation, relative to the begin of the mode.
 double FoldedForces::relativeDeterminant() const {
-  if (!isSmall_)
-    return factor_.determinantOver(firstDeterminant_);
-  double ratio = determinant_;
-  for (const double factor : firstDeterminant_)
-    ratio /= factor;
-  return ratio;
+  return isSmall_ ? determinant_ * inverseDeterminant_ : factor_.determinantTimes(pressing_.inverseDeterminant);
 }
 
 bool FoldedForces::chooseSmall(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
@@ -123,7 +113,7 @@ void FoldedForces::expand(const ContactRows &problem) {
   for (std::size_t k = 0; k < margins_.size(); ++k) {
     const ForceLimit &limit = margins_[k].limit;
     if (limit.row == ModeMargin::pressing) {
-      values_[k] = firstScale_ * (relativeDeterminant() + ModeMargin::pressed);
+      values_[k] = pressing_.value(relativeDeterminant());
       continue;
     }
     const double own = forces_[limit.row];

@@ -45,7 +45,6 @@ private:
   void foldColumns(const RowSystem &rows, const ContactRows &problem);
   void freeForce(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
   void expand(const ContactRows &problem);
-  void beginPressing(const ModeForces &start);
   [[nodiscard]] double relativeDeterminant() const;
 
   std::vector<int> active_;  // rows: all normal ones, then the tangential ones that stick
@@ -54,9 +53,9 @@ private:
   SmallSystem small_;
   bool isSmall_ = false;
   LuFactor factor_;
-  double determinant_ = 1;                // of the small system's last solution
-  std::vector<double> firstDeterminant_;  // for the margin `pressing`, with the scale of its value
-  double firstScale_ = 0;
+  double determinant_ = 1;  // of the small system's last solution
+  PressingMargin pressing_;
+  double inverseDeterminant_ = 1;            // of its product
   std::vector<double> columns_, responses_;  // folded columns of Jᵀ and W times them, nv for each active row
   std::vector<double> force_, unknowns_, forces_, values_;
 };
