@@ -19,6 +19,9 @@ constexpr int firstImpacts = 3;
 constexpr double early = 0.2;
 // Without a prediction the next attempt is made after so many times the interval between the last impacts.
 constexpr double shortestWait = 2, longestWait = 1e3;
+// After a prediction of another point than the last one, which happens again and again where impacts run through many contacts, so many
+// impacts are let pass at most.
+constexpr int longestPause = 15;
 constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left.
 constexpr double nextShare = 0.5, leastChange = 0.75;
@@ -57,6 +60,7 @@ void RestPrediction::restart() {
   forget();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
   wait_ = shortestWait;
+  pause_ = passed_ = 0;
 }
 
 void RestPrediction::write(double *numbers) const {
@@ -84,7 +88,9 @@ bool RestPrediction::recordImpact(double time, const double *before) {
   }
   const double interval = time - lastImpact_;
   lastImpact_ = time;
-  return ++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval);
+  if (!(++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval)))
+    return false;
+  return ++passed_ > pause_;
 }
 
 // Contacts that touch or have bounced take part; others are added where they may close on the way.
@@ -323,9 +329,14 @@ bool RestPrediction::differentiate(double time, const double *state, Sensitiviti
 
 // Predictions of another point, or of an earlier course of the motion, are dropped.
 void RestPrediction::add(Prediction prediction) {
-  if (!predictions_.empty() && (predictions_.back().point.contacts != prediction.point.contacts ||
-                                prediction.remaining > leastChange * predictions_.back().remaining))
-    forget();
+  passed_ = 0;
+  if (!predictions_.empty()) {
+    const Prediction &last = predictions_.back();
+    const bool isOther = last.point.contacts != prediction.point.contacts || prediction.remaining > leastChange * last.remaining;
+    pause_ = isOther ? std::min(2 * pause_ + 1, longestPause) : 0;
+    if (isOther)
+      forget();
+  }
   if (predictions_.size() == mostPredictions)
     predictions_.erase(predictions_.begin());
   predictions_.push_back(std::move(prediction));

@@ -93,6 +93,7 @@ private:
   bool bouncesLow_ = false;
   double impacts_ = 0;                       // number
   double lastImpact_ = 0, nextAttempt_ = 0;  // times
+  int pause_ = 0, passed_ = 0;               // impacts that are let pass before the next attempt, and those that have
   double wait_ = 0;                          // of the last attempt without a prediction, in intervals between impacts
   std::vector<double> change_, moment_;      // workspaces
 };
