@@ -1,5 +1,7 @@
 #include "runtime/integrate/cvode_integrator.h"
 
+#include "runtime/integrate/condensed_solver.h"
+
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
@@ -86,7 +88,9 @@ struct CvodeIntegrator::Solver {
     state = N_VNew_Serial(n, context);
     derivative = N_VNew_Serial(n, context);
     matrix = SUNDenseMatrix(n, n, context);
-    linear = SUNLinSol_Dense(state, matrix, context);
+    const tf_model &model = dynamics.model().model();
+    const bool isLarge = model.nv > RowSystem::narrow;
+    linear = isLarge && model.kinematics == nullptr ? makeCondensedSolver(model.nq, n, context) : SUNLinSol_Dense(state, matrix, context);
     memory = CVodeCreate(CV_BDF, context);
     if (state == nullptr || derivative == nullptr || matrix == nullptr || linear == nullptr || memory == nullptr)
       throw std::bad_alloc();
