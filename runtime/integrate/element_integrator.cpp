@@ -10,6 +10,9 @@ namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
+// Of implicit equations with slips of two components near zero: their directions amplify rounding errors.
+constexpr double turningAccuracy = 1e-12;
+
 double smallestStep(double time) { return 16 * epsilon * std::max(std::abs(time), 1e-3); }
 
 }  // namespace
@@ -117,7 +120,7 @@ StepStatus ElementIntegrator::step(double limit) {
     const double h = last ? span : !fixed && next_ > 0.5 * span && next_ < 0.999 * span ? 0.5 * span : next_;
     if (h <= smallestStep(beginTime_) && !last)
       return StepStatus::TooSmall;
-    if (!solve(h, accuracy)) {
+    if (!solve(h, accuracy) && !(dynamics_.hasTurningSlips() && accuracy < turningAccuracy && solve(h, turningAccuracy))) {
       if (fixed && dynamics_.failure() == EvaluationFailure::None)
         return StepStatus::Unsolvable;
       if (h <= 1e4 * smallestStep(beginTime_))
