@@ -11,7 +11,7 @@
 namespace tf::codegen {
 
 // The number of function pointers in tf_model.
-inline constexpr std::size_t modelFunctionCount = 15;
+inline constexpr std::size_t modelFunctionCount = 16;
 
 // `functions`: in the order of the function pointers of tf_model; an empty name gives a null pointer.
 struct ModelSource {

@@ -46,6 +46,8 @@ Argument argumentOf(ir::SymbolKind kind) {
     return {TF_IN_MULTIPLIER, "multiplier"};
   case ir::SymbolKind::StateDerivative:
     return {TF_IN_ZDOT, "zdot"};
+  case ir::SymbolKind::Radius:
+    return {TF_IN_RADIUS, "radius"};
   case ir::SymbolKind::Seed:     // a row of the sweep's frame
   case ir::SymbolKind::Unknown:  // of equations that are being solved; a system has none
     break;
@@ -54,8 +56,8 @@ Argument argumentOf(ir::SymbolKind kind) {
   return {0, ""};
 }
 
-const char *const arrayNames[TF_IN_COUNT] = {"time.in",  "q.in", "v.in",      "z.in",       "u.in",    "p.in",
-                                             "alpha.in", "a.in", "normal.in", "tangent.in", "zdot.in", "multiplier.in"};
+const char *const arrayNames[TF_IN_COUNT] = {"time.in", "q.in",      "v.in",       "z.in",    "u.in",          "p.in",     "alpha.in",
+                                             "a.in",    "normal.in", "tangent.in", "zdot.in", "multiplier.in", "radius.in"};
 
 llvm::FunctionCallee mathFunction(llvm::Module &module, std::string_view name, std::size_t argumentCount) {
   llvm::Type *number = llvm::Type::getDoubleTy(module.getContext());

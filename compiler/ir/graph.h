@@ -32,6 +32,7 @@ enum class SymbolKind : std::uint8_t {
   TangentForce,
   Multiplier,
   StateDerivative,
+  Radius,   // half the width of a box in which a coordinate moves; after those of the coordinates, that of time
   Seed,     // component of the direction in which a sweep goes (function.h); occurs in what is linear in the seeds
   Unknown,  // a variable that an equation is yet to be solved for; occurs in no HybridSystem
 };

@@ -1,8 +1,10 @@
 // The functions of a compiled model, with the argument and result layout of runtime/abi/tf_model.h.
+#include "compiler/ir/deviation.h"
 #include "compiler/ir/sweep.h"
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <utility>
 
@@ -17,6 +19,8 @@ constexpr auto always = [](std::size_t) { return -1; };
 
 // Entries of M and of the contact rows up to which the code that evaluates both at once is worth its compile time.
 constexpr int mostFusedEntries = 200;
+// Contacts from which on it pays not to look at all of them.
+constexpr int fewContacts = 8;
 
 // Collects the stores of one function. Structural zeros are stored too: callers see complete arrays.
 class FunctionBuilder {
@@ -95,6 +99,7 @@ public:
   ir::Function outputs();
   ir::Function energies();
   ir::Function contactDynamics();
+  ir::Function gapBounds();
 
 private:
   void addDynamics(FunctionBuilder &builder);
@@ -406,6 +411,34 @@ ir::Function ModelFunctions::energies() {
   return builder.take();
 }
 
+// Step variables are those of switches that time turns over: they may take any value. Inputs are not known beforehand.
+ir::Function ModelFunctions::gapBounds() {
+  if (contacts_ < fewContacts)
+    return {};
+  std::vector<NodeId> gaps;
+  gaps.reserve(system_.contacts.size());
+  for (const Contact &contact : system_.contacts)
+    gaps.push_back(contact.gap);
+  const std::vector<NodeId> bounds = ir::deviationBounds(graph_, gaps, [this](ir::Symbol symbol) {
+    switch (symbol.kind) {
+    case SymbolKind::Parameter:
+      return graph_.constant(0);
+    case SymbolKind::Coordinate:
+      return graph_.symbol(SymbolKind::Radius, symbol.index);
+    case SymbolKind::Time:
+      return graph_.symbol(SymbolKind::Radius, system_.nq);
+    case SymbolKind::StepVariable:
+      return graph_.constant(1);
+    default:
+      return graph_.constant(std::numeric_limits<double>::infinity());
+    }
+  });
+  FunctionBuilder builder("gap_bounds");
+  builder.buffer(gaps);
+  builder.buffer(bounds);
+  return builder.take();
+}
+
 }  // namespace
 
 std::vector<ir::Function> modelFunctions(HybridSystem &system) {
@@ -426,6 +459,7 @@ std::vector<ir::Function> modelFunctions(HybridSystem &system) {
   all.push_back(functions.outputs());
   all.push_back(functions.energies());
   all.push_back(functions.contactDynamics());
+  all.push_back(functions.gapBounds());
   return all;
 }
 

@@ -42,6 +42,7 @@ int kindOf(SymbolKind kind) {
     return TF_KIND_MULTIPLIER;
   case SymbolKind::StateDerivative:
     return TF_KIND_STATE_DERIVATIVE;
+  case SymbolKind::Radius:
   case SymbolKind::Seed:
   case SymbolKind::Unknown:
     break;

@@ -100,6 +100,7 @@ private:
       return isResult ? s_.nz : 0;
     case SymbolKind::Seed:
       return scope == Scope::Direction ? std::max(s_.nv, static_cast<int>(s_.contacts.size() + s_.tangents.size())) : 0;
+    case SymbolKind::Radius:
     case SymbolKind::Unknown:
       return 0;
     }

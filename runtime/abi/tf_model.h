@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 9u
+#define TF_ABI_VERSION 10u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -40,7 +40,8 @@ enum tf_in {
   TF_IN_TANGENT = 9,     /* nt: tangential forces */
   TF_IN_ZDOT = 10,       /* nz: z' */
   TF_IN_MULTIPLIER = 11, /* nh: multipliers of constraint rows */
-  TF_IN_COUNT = 12
+  TF_IN_RADIUS = 12,     /* nq + 1: half the width of a box around q, then around the time */
+  TF_IN_COUNT = 13
 };
 
 typedef void (*tf_function)(const double *const *in, double *const *out, const uint8_t *mask);
@@ -248,6 +249,10 @@ typedef struct tf_model {
      those of `dynamics`, 3..8 those of `contact_terms`. mask: that of `contact_terms`. Null: both are to be called (no contacts and
      friction elements, or so many that the code would be there twice without need). */
   tf_function contact_dynamics;
+  /* in: TIME, Q, P, ALPHA, RADIUS. out: 0 gap [nc], 1 by how much each gap can differ from it at most (to rounding) [nc] while q and the
+     time differ from Q and TIME by at most RADIUS, whatever the step variables become; infinite or not a number where no bound is known.
+     Null: so few contacts that all gaps are read as fast. */
+  tf_function gap_bounds;
 } tf_model;
 
 #ifdef __cplusplus

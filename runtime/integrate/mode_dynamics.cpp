@@ -45,6 +45,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     if (mode.closed[i])
       contacts.push_back(i);
   }
+  at_.screen().hold(mode.closed.data());
   std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
   for (int j = 0; j < model.nt; ++j)
     if (mode.tangent[j] != Tangent::None)

@@ -98,17 +98,18 @@ public:
                          std::vector<double> &frictionRate, std::vector<double> &boundRate);
 
   [[nodiscard]] const std::vector<Guard> &guards() const { return guards_; }
-  // Values at the point of the last evaluation.
+  // Values at the point of the last evaluation. Those of gaps of contacts that are asleep (GapScreen) are old: they are positive.
   void guardValues(double *values);
+  // The same of some guards, and d/dt of the Gap guards (NaN of the others).
+  void guardValues(std::span<const int> guards, double *values, double *rates);
   [[nodiscard]] double guardValue(int guard);
-  // d/dt of the Gap guards at that point (NaN for the others).
-  void guardRates(double *rates) const;
   // The least and the largest value of a Force guard at the evaluations since restartMargins().
   [[nodiscard]] double leastMargin(int guard) const { return leastMargins_[guards_[guard].index]; }
   [[nodiscard]] double largestMargin(int guard) const { return largestMargins_[guards_[guard].index]; }
   void restartMargins();
-  // Values and rates of Gap and Slip guards at the model's point, wherever the dynamics has been evaluated last (zero for the others).
-  void switchingValues(double *values, double *rates);
+  // Values and rates of some guards at the model's point, wherever the dynamics has been evaluated last: of Gap and Slip guards (zero for
+  // the others).
+  void switchingValues(std::span<const int> guards, double *values, double *rates);
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
 
@@ -177,6 +178,8 @@ private:
   void differenceJacobian(double time, const double *state, double *matrix);
   bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
+  [[nodiscard]] double readRate(const Guard &guard) const;
+  void evaluateGuards();
   void buildGuards();
   [[nodiscard]] bool varies(const Guard &guard) const;
   void recordMargins();

@@ -110,7 +110,7 @@ double ModeDynamics::guardValue(int guard) {
   return readGuard(g);
 }
 
-void ModeDynamics::guardValues(double *values) {
+void ModeDynamics::evaluateGuards() {
   const tf_model &model = at_.model();
   int parts = 0;
   if (model.nc > 0)
@@ -121,13 +121,24 @@ void ModeDynamics::guardValues(double *values) {
     parts |= ModelEvaluation::Conditions;
   if (parts != 0)
     at_.switching(parts);
+}
+
+void ModeDynamics::guardValues(double *values) {
+  evaluateGuards();
   for (std::size_t k = 0; k < guards_.size(); ++k)
     values[k] = readGuard(guards_[k]);
 }
 
-void ModeDynamics::guardRates(double *rates) const {
-  for (std::size_t k = 0; k < guards_.size(); ++k)
-    rates[k] = guards_[k].kind == GuardKind::Gap ? at_.gapRate[guards_[k].index] : std::numeric_limits<double>::quiet_NaN();
+double ModeDynamics::readRate(const Guard &guard) const {
+  return guard.kind == GuardKind::Gap ? at_.gapRate[guard.index] : std::numeric_limits<double>::quiet_NaN();
+}
+
+void ModeDynamics::guardValues(std::span<const int> guards, double *values, double *rates) {
+  evaluateGuards();
+  for (const int k : guards) {
+    values[k] = readGuard(guards_[k]);
+    rates[k] = readRate(guards_[k]);
+  }
 }
 
 bool ModeDynamics::isPole(int guard) const {
@@ -141,11 +152,12 @@ bool ModeDynamics::isPole(int guard) const {
   return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
 }
 
-void ModeDynamics::switchingValues(double *values, double *rates) {
+void ModeDynamics::switchingValues(std::span<const int> guards, double *values, double *rates) {
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
-  for (std::size_t k = 0; k < guards_.size(); ++k)
+  for (const int k : guards) {
     values[k] = guards_[k].kind == GuardKind::Gap || guards_[k].kind == GuardKind::Slip ? readGuard(guards_[k]) : 0;
-  guardRates(rates);
+    rates[k] = readRate(guards_[k]);
+  }
 }
 
 double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {

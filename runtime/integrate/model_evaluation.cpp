@@ -20,7 +20,7 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
       restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)), stateRateByStep(array(model.nz, model.ns)),
       input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)), acceleration(array(model.nv)),
       normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs),
-      switchingMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1) {
+      switchingMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1), screen_(model), coordinateRate_(array(model.nq)) {
   const int nx = columns();
   zero_ = array(stateSize());
   conditionGradient = array(model.ns, nx);
@@ -48,6 +48,7 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
 
 bool ModelEvaluation::setParameters(const double *parameters) {
   in_[TF_IN_P] = parameters;
+  screen_.forget();
   ++parameterRevision_;
   contactParameters();
   if (!model_->mass_is_constant || model_->nv == 0)
@@ -114,19 +115,37 @@ void ModelEvaluation::forces() {
   model_->dynamics(in_, out, nullptr);
 }
 
-// The mask of all contacts and friction elements stays as it is until other parts are asked for.
+// The mask stays as it is until other parts are asked for, or other contacts wake.
 void ModelEvaluation::switching(int parts) {
-  if (switchingParts_ != parts) {
-    const int nc = model_->nc;
-    std::fill_n(switchingMask_.begin(), nc, static_cast<std::uint8_t>((parts & Gaps) != 0));
-    std::fill_n(switchingMask_.begin() + nc, nc + model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
-    switchingMask_.back() = (parts & Conditions) != 0;
+  if (screen_.isUsed() && (parts & (Gaps | Slips)) != 0) {
+    if (!screen_.covers(time_, in_[TF_IN_Q]))
+      renewScreen();
+    screen_.count();
+  }
+  if (switchingParts_ != parts || switchingRevision_ != screen_.revision()) {
+    selectContacts(parts, screen_.awake());
     switchingParts_ = parts;
+    switchingRevision_ = screen_.revision();
   }
   switchingOfMask();
 }
 
 void ModelEvaluation::switching(int parts, const std::uint8_t *contacts) {
+  selectContacts(parts, contacts);
+  switchingParts_ = -1;
+  switchingOfMask();
+}
+
+void ModelEvaluation::switchingOfAll(int parts) {
+  const int nc = model_->nc;
+  std::fill_n(switchingMask_.begin(), nc, static_cast<std::uint8_t>((parts & Gaps) != 0));
+  std::fill_n(switchingMask_.begin() + nc, nc + model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
+  switchingMask_.back() = (parts & Conditions) != 0;
+  switchingParts_ = -1;
+  switchingOfMask();
+}
+
+void ModelEvaluation::selectContacts(int parts, const std::uint8_t *contacts) {
   const int nc = model_->nc;
   for (int i = 0; i < nc; ++i) {
     switchingMask_[i] = (parts & Gaps) != 0 && contacts[i] != 0;
@@ -134,8 +153,16 @@ void ModelEvaluation::switching(int parts, const std::uint8_t *contacts) {
   }
   std::fill_n(switchingMask_.begin() + 2 * static_cast<std::ptrdiff_t>(nc), model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
   switchingMask_.back() = (parts & Conditions) != 0;
-  switchingParts_ = -1;
-  switchingOfMask();
+}
+
+void ModelEvaluation::renewScreen() {
+  kinematics(coordinateRate_.data());
+  screen_.renew(in_, coordinateRate_.data(), gap.data());
+}
+
+void ModelEvaluation::cover(const double *center, const double *radius, const double *coordinateRate) {
+  if (!screen_.covers(center, radius))
+    screen_.renew(in_, coordinateRate, gap.data(), center, radius);
 }
 
 void ModelEvaluation::switchingOf(int contact) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/abi/tf_model.h"
+#include "runtime/integrate/gap_screen.h"
 #include "runtime/integrate/mobility.h"
 #include "runtime/model/input_signals.h"
 
@@ -35,11 +36,16 @@ public:
   // Factorises a mass matrix that is not constant. False: it is not positive definite.
   bool factoriseMass();
   enum SwitchingPart : std::uint8_t { Gaps = 1, Slips = 2, Conditions = 4 };
+  // Gaps and slips of contacts that are asleep are left as they are: these gaps are positive, here and there.
   void switching(int parts = Gaps | Slips | Conditions);
+  // Of all contacts.
+  void switchingOfAll(int parts = Gaps | Slips | Conditions);
   // Gaps and slips of some contacts only, mask [nc]; the others keep their values.
   void switching(int parts, const std::uint8_t *contacts);
   // Gap and rate of one contact.
   void switchingOf(int contact);
+  // Contacts that stay asleep are so all over the box: nq + 1 each, of coordinates and time; `coordinateRate` [nq] are those of the motion.
+  void cover(const double *center, const double *radius, const double *coordinateRate);
   // mask [nc + nf]
   void contactTerms(const std::uint8_t *mask);
   void contactParameters();
@@ -71,6 +77,7 @@ public:
   [[nodiscard]] const double *parameters() const { return in_[TF_IN_P]; }
   [[nodiscard]] double time() const { return time_; }
   // No input changes within the segment.
+  [[nodiscard]] GapScreen &screen() { return screen_; }
   [[nodiscard]] bool hasConstantInputs() const { return constantInputs_; }
   // Counts the calls of setParameters.
   [[nodiscard]] long long parameterRevision() const { return parameterRevision_; }
@@ -94,6 +101,8 @@ private:
   void evaluateInputs(double time);
   void constraintTerms(bool residuals, bool rows);
   void switchingOfMask();
+  void selectContacts(int parts, const std::uint8_t *contacts);
+  void renewScreen();
 
   const tf_model *model_;
   const InputSignals *inputs_;
@@ -104,7 +113,11 @@ private:
   long long parameterRevision_ = 0;
   bool constantInputs_ = false;
   std::vector<std::uint8_t> switchingMask_;
-  int switchingParts_ = 0;  // whole parts that the mask selects, −1: some contacts
+  // What the mask selects: whole parts, those of the contacts that are awake at this revision of the screen; −1: some contacts.
+  int switchingParts_ = 0;
+  long long switchingRevision_ = -1;
+  GapScreen screen_;
+  std::vector<double> coordinateRate_;
 };
 
 }  // namespace tf::runtime

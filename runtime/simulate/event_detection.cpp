@@ -21,7 +21,8 @@ constexpr int deepest = 12;  // bisections of a step in the search for a gap tha
 }  // namespace
 
 EventDetection::EventDetection(ModeDynamics &dynamics)
-    : dynamics_(dynamics), pool_(deepest + 1), state_(dynamics.size()), scratch_(dynamics.size()) {}
+    : dynamics_(dynamics), pool_(deepest + 1), state_(dynamics.size()), scratch_(dynamics.size()),
+      boxCenter_(dynamics.model().model().nq + 1), boxRadius_(boxCenter_.size()) {}
 
 void EventDetection::setIntegrator(SmoothIntegrator &integrator) {
   integrator_ = &integrator;
@@ -68,11 +69,10 @@ void EventDetection::readGuards(double time, Sample &sample) {
   sample.time = time;
   sample.value.resize(dynamics_.guards().size());
   sample.rate.resize(dynamics_.guards().size());
-  dynamics_.guardValues(sample.value.data());
-  dynamics_.guardRates(sample.rate.data());
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k)
+  dynamics_.guardValues(awake_, sample.value.data(), sample.rate.data());
+  for (const int k : awake_)
     if (dynamics_.guards()[k].kind == GuardKind::Gap)
-      sample.value[k] = hop(static_cast<int>(k), time, sample.value[k], sample.rate[k]);
+      sample.value[k] = hop(k, time, sample.value[k], sample.rate[k]);
 }
 
 // On the interpolant; the guards that need forces are NaN where these are left out.
@@ -83,9 +83,10 @@ bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) 
   else if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
     return false;
   readGuards(time, sample);
-  for (std::size_t k = 0; needsForces_ && !withForces && k < sample.value.size(); ++k)
-    if (isForceGuard(dynamics_.guards()[k].kind))
-      sample.value[k] = std::numeric_limits<double>::quiet_NaN();
+  if (needsForces_ && !withForces)
+    for (const int k : awake_)
+      if (isForceGuard(dynamics_.guards()[k].kind))
+        sample.value[k] = std::numeric_limits<double>::quiet_NaN();
   return true;
 }
 
@@ -111,21 +112,72 @@ double EventDetection::guardInside(int guard, double time) {
 }
 
 void EventDetection::restart(double time, double speedOfRounding) {
-  const std::size_t count = dynamics_.guards().size();
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
   varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
   cut_ = false;
-  starts_.assign(count, {Arming::Not, time, std::numeric_limits<double>::infinity(), 0});
-  readGuards(time, begin_);
+  starts_.assign(dynamics_.guards().size(), {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0});
+  do {
+    chooseAwake();
+    readGuards(time, begin_);
+  } while (!isCurrent());
   // A gap that opens at a speed needs no distance to be taken for open.
-  for (std::size_t k = 0; k < count; ++k) {
-    const double least = threshold(static_cast<int>(k));
+  for (const int k : awake_) {
+    const double least = threshold(k);
     const bool opens =
         startsToRounding_ ? begin_.rate[k] > speedOfRounding : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
     starts_[k].armed = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
     starts_[k].value = begin_.value[k];
     starts_[k].rate = begin_.rate[k];
+  }
+}
+
+bool EventDetection::isCurrent() const { return awakeRevision_ == dynamics_.model().screen().revision(); }
+
+// Guards of contacts that are asleep have no zeros.
+void EventDetection::chooseAwake() {
+  const GapScreen &screen = dynamics_.model().screen();
+  awakeRevision_ = screen.revision();
+  awake_.clear();
+  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k)
+    if (dynamics_.guards()[k].kind != GuardKind::Gap || screen.isAwake(dynamics_.guards()[k].index))
+      awake_.push_back(static_cast<int>(k));
+}
+
+// The hull of the cubic through both ends of the step in each coordinate, and a part `reach` of it on either side, is kept by the screen;
+// in the end all contacts are awake.
+void EventDetection::coverStep(double reach) {
+  const SmoothIntegrator &step = *integrator_;
+  ModelEvaluation &model = dynamics_.model();
+  const int nq = model.model().nq;
+  constexpr double farthest = 100;
+  const double h = step.endTime() - step.beginTime();
+  for (int k = 0; k < nq; ++k) {
+    const double a = step.begin()[k], b = integrator_->end()[k], da = step.beginRate()[k], db = integrator_->endRate()[k];
+    const double low = std::min({a, b, CubicHermite{a, da, b, db, h}.interiorMinimum()});
+    const double high = std::max({a, b, -CubicHermite{-a, -da, -b, -db, h}.interiorMinimum()});
+    boxCenter_[k] = 0.5 * (low + high);
+    boxRadius_[k] = (0.5 + reach) * (high - low);
+  }
+  boxCenter_[nq] = step.beginTime() + 0.5 * h;
+  boxRadius_[nq] = 0.5 * h;
+  if (reach > farthest)
+    std::fill(boxRadius_.begin(), boxRadius_.end(), std::numeric_limits<double>::infinity());
+  model.cover(boxCenter_.data(), boxRadius_.data(), step.beginRate());
+}
+
+// Contacts that have woken were open at the begin of the step.
+void EventDetection::wake() {
+  ModelEvaluation &model = dynamics_.model();
+  const double begin = integrator_->beginTime();
+  previous_.swap(awake_);
+  chooseAwake();
+  model.setPoint(begin, integrator_->begin());
+  for (const int k : awake_) {
+    if (std::binary_search(previous_.begin(), previous_.end(), k))
+      continue;
+    begin_.value[k] = guardHere(k, begin);
+    begin_.rate[k] = model.gapRate[dynamics_.guards()[k].index];
   }
 }
 
@@ -139,8 +191,8 @@ void EventDetection::resume(double time, double speedOfRounding) {
 
 void EventDetection::watchStart() {
   watched_ = false;
-  for (std::size_t k = 0; k < starts_.size(); ++k)
-    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(static_cast<int>(k)));
+  for (const int k : awake_)
+    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(k));
   integrator_->setCareful(watched_);
 }
 
@@ -263,15 +315,14 @@ bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
 // may dip between. True: one may.
 bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps, DetectedEvent &first) {
   bool dips = false;
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    const int guard = static_cast<int>(k);
-    if ((onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap) || isSampled(guard))
+  for (const int k : awake_) {
+    if ((onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap) || isSampled(k))
       continue;
-    if (a.value[k] > threshold(guard))
+    if (a.value[k] > threshold(k))
       starts_[k].armed = Arming::ByValue;
-    if (b.value[k] < level(guard))
-      bracket(guard, a, b, first);
-    dips = dips || mayDip(guard, a, b);
+    if (b.value[k] < level(k))
+      bracket(k, a, b, first);
+    dips = dips || mayDip(k, a, b);
   }
   return dips;
 }
@@ -286,9 +337,8 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
   if (!sampleInside(0.5 * (a.time + b.time), false, middle))
     return;
   bool again = false;
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    const int guard = static_cast<int>(k);
-    if (isSampled(guard) || !mayDip(guard, a, b))
+  for (const int k : awake_) {
+    if (isSampled(k) || !mayDip(k, a, b))
       continue;
     const double error = std::abs(CubicHermite{a.value[k], a.rate[k], b.value[k], b.rate[k], h}.value(0.5) - middle.value[k]);
     const double left = CubicHermite{a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h}.interiorMinimum();
@@ -306,9 +356,9 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
 // Forces, slips and conditions have no rates: the parabola through three samples shows a dip between them.
 void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
   const double h = b.time - a.time;
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    if (dynamics_.guards()[k].kind == GuardKind::Gap || isSampled(static_cast<int>(k)) || starts_[k].armed == Arming::Not ||
-        !(middle.value[k] >= 0) || b.value[k] < 0)
+  for (const int k : awake_) {
+    if (dynamics_.guards()[k].kind == GuardKind::Gap || isSampled(k) || starts_[k].armed == Arming::Not || !(middle.value[k] >= 0) ||
+        b.value[k] < 0)
       continue;
     const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
     const double slope = b.value[k] - a.value[k];
@@ -325,9 +375,9 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
     bottom.time = time;
     bottom.value.resize(dynamics_.guards().size());
     bottom.rate.resize(dynamics_.guards().size());
-    bottom.value[k] = guardInside(static_cast<int>(k), time);
+    bottom.value[k] = guardInside(k, time);
     if (bottom.value[k] < 0)
-      bracket(static_cast<int>(k), time < middle.time ? a : middle, bottom, first);
+      bracket(k, time < middle.time ? a : middle, bottom, first);
   }
 }
 
@@ -365,15 +415,14 @@ bool EventDetection::examineCubics(DetectedEvent &first) {
   constexpr double accepted = 1e-9;
   if (!integrator_->isExactInside())
     return false;
-  const std::size_t count = dynamics_.guards().size();
   const double h = end_.time - begin_.time;
-  for (std::size_t k = 0; k < count; ++k)
-    if (!isSampled(static_cast<int>(k)) && (dynamics_.guards()[k].kind != GuardKind::Gap || starts_[k].armed == Arming::Not))
+  for (const int k : awake_)
+    if (!isSampled(k) && (dynamics_.guards()[k].kind != GuardKind::Gap || starts_[k].armed == Arming::Not))
       return false;
   if (!sampleInside(begin_.time + place * h, false, inner_[0]))
     return false;
-  for (std::size_t k = 0; k < count; ++k) {
-    if (isSampled(static_cast<int>(k)))
+  for (const int k : awake_) {
+    if (isSampled(k))
       continue;
     const double a = begin_.value[k], b = end_.value[k], da = begin_.rate[k], db = end_.rate[k];
     const double size = std::max({std::abs(a), std::abs(b), h * std::abs(da), h * std::abs(db)});
@@ -381,8 +430,8 @@ bool EventDetection::examineCubics(DetectedEvent &first) {
       return false;
   }
   first = {};
-  for (std::size_t k = 0; k < count; ++k)
-    if (!isSampled(static_cast<int>(k)) && !cubicZero(static_cast<int>(k), first))
+  for (const int k : awake_)
+    if (!isSampled(k) && !cubicZero(k, first))
       return false;
   return true;
 }
@@ -410,27 +459,42 @@ bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
 }
 
 DetectedEvent EventDetection::detect() {
-  DetectedEvent first;
   cut_ = cut_ && integrator_->endTime() == cutTime_;
   if (dynamics_.guards().empty())
-    return first;
+    return {};
   begin_.time = integrator_->beginTime();
+  // Where an interpolant leaves what the rates at the ends let expect, other contacts wake.
+  if (!dynamics_.model().screen().isUsed())
+    return search();
+  for (double reach = 0.1;; reach *= 4) {
+    coverStep(reach);
+    if (!isCurrent())
+      wake();
+    dynamics_.model().setPoint(integrator_->endTime(), integrator_->end());
+    const DetectedEvent first = search();
+    if (isCurrent())
+      return first;
+    dynamics_.evaluate(integrator_->endTime(), integrator_->end(), scratch_.data());
+  }
+}
+
+DetectedEvent EventDetection::search() {
+  DetectedEvent first;
   first_.time = std::numeric_limits<double>::quiet_NaN();
   // The dynamics' last evaluation is at the end of the step.
   readGuards(integrator_->endTime(), end_);
   samplesVarying_ = samplesVarying();
   bool quiet = true, steady = true;
-  for (std::size_t k = 0; k < starts_.size(); ++k) {
-    const int guard = static_cast<int>(k);
-    if (isSampled(guard))
+  for (const int k : awake_) {
+    if (isSampled(k))
       continue;
     const GuardKind kind = dynamics_.guards()[k].kind;
     if (kind == GuardKind::Force)
-      steady = steady && isSteady(guard);
+      steady = steady && isSteady(k);
     else if (isForceGuard(kind))
       steady = false;
     else
-      quiet = quiet && kind == GuardKind::Gap && isFar(guard);
+      quiet = quiet && kind == GuardKind::Gap && isFar(k);
   }
   // Long steps may turn a body round: their ends tell nothing.
   quiet = quiet && (!integrator_->isExactInside() || intervalCount() == 2);
@@ -471,15 +535,15 @@ bool EventDetection::hasUndefined() const {
 }
 
 void EventDetection::advance() {
-  for (std::size_t k = 0; k < starts_.size(); ++k)
-    if (end_.value[k] > threshold(static_cast<int>(k)))
+  for (const int k : awake_)
+    if (end_.value[k] > threshold(k))
       starts_[k].armed = Arming::ByValue;
   std::swap(begin_, end_);
   if (!watched_)
     return;
   watched_ = false;
-  for (std::size_t k = 0; k < starts_.size(); ++k)
-    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= 1e3 * threshold(static_cast<int>(k)));
+  for (const int k : awake_)
+    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= 1e3 * threshold(k));
   integrator_->setCareful(watched_);
 }
 

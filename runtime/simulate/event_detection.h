@@ -61,6 +61,11 @@ private:
     double time = 0, value = 0, rate = 0;
   };
 
+  [[nodiscard]] bool isCurrent() const;
+  void chooseAwake();
+  void coverStep(double reach);
+  void wake();
+  DetectedEvent search();
   void readGuards(double time, Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] bool isFar(int guard) const;
@@ -110,6 +115,8 @@ private:
     double time = 0, value = 0, rate = 0;
   };
   std::vector<Start> starts_, resumed_;
+  std::vector<int> awake_, previous_;  // guards whose contacts are awake (GapScreen), and all others; ascending
+  long long awakeRevision_ = -1;
   bool needsForces_ = false;
   bool varies_ = false;          // a guard does (Guard::varies)
   bool samplesVarying_ = false;  // event_sampling.cpp looks for the zeros of those in this step
@@ -125,7 +132,7 @@ private:
   Sample first_;                 // at the first event found so far
   std::array<Sample, 3> inner_;  // the latest ones
   std::vector<Sample> pool_;     // one middle for each depth of the search
-  std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_;
+  std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_, boxCenter_, boxRadius_;
 };
 
 }  // namespace tf::runtime

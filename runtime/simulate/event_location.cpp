@@ -71,28 +71,23 @@ bool EventDetection::endsNearby(DetectedEvent &event) {
 
 bool EventDetection::findEarlier(DetectedEvent &event) {
   constexpr double visible = 1e-10;  // relative to the gap's scale
-  const std::size_t count = dynamics_.guards().size();
-  bool hasOther = false;
-  for (std::size_t k = 0; k < count && !hasOther; ++k)
-    hasOther = dynamics_.guards()[k].kind == GuardKind::Gap && static_cast<int>(k) != event.guard;
-  if (!hasOther)
+  const auto isOther = [&](int k) { return dynamics_.guards()[k].kind == GuardKind::Gap && k != event.guard; };
+  if (std::none_of(awake_.begin(), awake_.end(), isOther))
     return false;
   DetectedEvent earlier;
   const double begin = integrator_->beginTime();
   readGuards(event.time, end_);
-  for (std::size_t k = 0; k < count; ++k) {
-    const Guard &guard = dynamics_.guards()[k];
-    const int number = static_cast<int>(k);
-    if (guard.kind != GuardKind::Gap || number == event.guard)
+  for (const int k : awake_) {
+    if (!isOther(k))
       continue;
-    const double rate = end_.rate[k], value = end_.value[k] - level(number);
-    if (value >= -visible * guard.scale)
+    const double rate = end_.rate[k], value = end_.value[k] - level(k);
+    if (value >= -visible * dynamics_.guards()[k].scale)
       continue;
     double time = rate < 0 ? event.time - value / rate : begin;
     if (!(time > begin))
       time = 0.5 * (begin + event.time);
     if (earlier.guard < 0 || time < earlier.time)
-      earlier = {number, time, begin, event.time, rate};
+      earlier = {k, time, begin, event.time, rate};
   }
   if (earlier.guard < 0)
     return false;

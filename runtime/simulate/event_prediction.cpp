@@ -36,15 +36,15 @@ double EventDetection::expected() {
   first_.value.resize(dynamics_.guards().size());
   first_.rate.resize(dynamics_.guards().size());
   first_.time = std::numeric_limits<double>::quiet_NaN();
-  dynamics_.switchingValues(first_.value.data(), first_.rate.data());
+  dynamics_.switchingValues(awake_, first_.value.data(), first_.rate.data());
   double earliest = infinity;
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
+  for (const int k : awake_) {
     const Guard &guard = dynamics_.guards()[k];
     double time = infinity;
     if (guard.kind == GuardKind::Gap) {
-      const double gap = begin_.value[k] > threshold(static_cast<int>(k)) ? begin_.value[k] : 0;
+      const double gap = begin_.value[k] > threshold(k) ? begin_.value[k] : 0;
       time = parabolaZero(gap, begin_.rate[k], (first_.rate[k] - begin_.rate[k]) / increment);
-    } else if (guard.kind == GuardKind::Slip && begin_.value[k] > threshold(static_cast<int>(k))) {
+    } else if (guard.kind == GuardKind::Slip && begin_.value[k] > threshold(k)) {
       const double slope = (first_.value[k] - begin_.value[k]) / increment;
       time = slope < 0 ? -begin_.value[k] / slope : infinity;
     }

@@ -61,9 +61,8 @@ bool EventDetection::samplesVarying() {
 }
 
 void EventDetection::examineVarying(DetectedEvent &first) {
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k) {
-    const int guard = static_cast<int>(k);
-    const Guard &described = dynamics_.guards()[k];
+  for (const int guard : awake_) {
+    const Guard &described = dynamics_.guards()[guard];
     if (!described.varies || (isForceGuard(described.kind) && isSteadyForce(guard)))
       continue;
     DetectedEvent own;

@@ -43,7 +43,7 @@ std::string FailureTexts::contactParameters() {
 }
 
 std::string FailureTexts::slipRadii() {
-  at_.switching(ModelEvaluation::Slips);
+  at_.switchingOfAll(ModelEvaluation::Slips);
   std::string text;
   for (int i = 0; i < model_.nc && text.empty(); ++i)
     text = slipRadius("contact", model_.contacts[i], at_.slip.data());
@@ -73,7 +73,7 @@ std::string FailureTexts::contactsAtStart(double time, const double *state) {
     return text;
   if (std::string text = slipRadii(); !text.empty())
     return text;
-  at_.switching(ModelEvaluation::Gaps);
+  at_.switchingOfAll(ModelEvaluation::Gaps);
   for (int i = 0; i < model_.nc; ++i) {
     const tf_contact &contact = model_.contacts[i];
     const double tolerance = 1e-9 * std::max(1.0, contact.nominal);

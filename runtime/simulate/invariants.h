@@ -15,8 +15,9 @@ struct Extreme {
 class Invariants {
 public:
   void start();
-  // At the dynamics' last evaluation; its gaps and constraint residuals are evaluated here.
-  void observe(ModeDynamics &dynamics);
+  // At the dynamics' last evaluation; constraint residuals are evaluated here, and the gaps of contacts that are awake (GapScreen), unless
+  // all gaps have been.
+  void observe(ModeDynamics &dynamics, bool hasAllGaps);
   void observeEnergy(double error, double time);
 
   [[nodiscard]] const Extreme &gap() const { return gap_; }                  // least

@@ -112,7 +112,7 @@ bool RestPrediction::addReachable(double time, const double *state, const RestPo
   bool added = false;
   for (const bool isEnd : {false, true}) {
     at_.setPoint(isEnd ? end.time : time, isEnd ? end.state.data() : state);
-    at_.switching(ModelEvaluation::Gaps);
+    at_.switchingOfAll(ModelEvaluation::Gaps);
     for (int i = 0; i < model.nc; ++i) {
       if (takesPart_[i] || at_.gap[i] > span * std::abs(at_.gapRate[i]))
         continue;

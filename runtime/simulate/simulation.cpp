@@ -287,7 +287,7 @@ tf_status Simulation::Implementation::commit() {
   if (!detection_.isCut())
     suggestedStep_ = integrators_.primaryIsCurrent() ? integrator.suggestedStep() : 0;
   if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
-    observeInvariants();
+    observeInvariants(false);
   if (!differentiated)
     return failSensitivities("the step that ends");
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
@@ -376,7 +376,7 @@ tf_status Simulation::Implementation::advanceTo(double time) {
 
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
-  observeInvariants();
+  observeInvariants(true);
 }
 
 bool Simulation::Implementation::sensitivity(int column, double *all) {
@@ -387,8 +387,8 @@ bool Simulation::Implementation::sensitivity(int column, double *all) {
 }
 
 // The dynamics has been evaluated at (time_, state_).
-void Simulation::Implementation::observeInvariants() {
-  invariants_.observe(dynamics_);
+void Simulation::Implementation::observeInvariants(bool hasAllGaps) {
+  invariants_.observe(dynamics_, hasAllGaps);
   if (energy_)
     invariants_.observeEnergy(energy_->error(time_, state_.data()), time_);
 }
@@ -432,6 +432,7 @@ void Simulation::Implementation::save(void *buffer) {
   });
   // The saved point is where both continuations begin anew.
   rest_.read(more.impacts.data());
+  at_.screen().forget();
   if (modeValid_ && dynamics_.start(mode_, time_, state_.data(), rate_.data()))
     startIntegrator();
 }
@@ -449,6 +450,7 @@ void Simulation::Implementation::restore(const void *buffer) {
   rest_.read(more.impacts.data());
   error_.clear();
   enterSegment();
+  at_.screen().forget();
   modeValid_ = dynamics_.start(mode_, time_, state_.data(), rate_.data());
   if (modeValid_)
     startIntegrator();

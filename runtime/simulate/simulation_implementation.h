@@ -106,7 +106,7 @@ private:
   tf_status failStep(StepStatus status);
   tf_status step(double limit);
   tf_status commit();
-  void observeInvariants();
+  void observeInvariants(bool hasAllGaps);
 
   // simulation_events.cpp
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});

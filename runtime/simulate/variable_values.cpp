@@ -126,7 +126,7 @@ bool VariableValues::evaluate(double time, const double *state, const double *im
   ModelEvaluation &at = dynamics_.model();
   const tf_model &model = at.model();
   at.setPoint(time, state);
-  at.switching();
+  at.switchingOfAll();
   dynamics_.solveMultipliers();
   if (hasEnergies_) {
     double power = 0;

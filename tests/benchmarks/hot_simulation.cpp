@@ -1,5 +1,6 @@
 // CPU time of a simulation by libtf in one process (initialise and advance to the end, the model being loaded) against the hand-written
-// event-driven program for the same problem, both at the loosest tolerance that meets the error asked for.
+// event-driven program for the same problem, both at the loosest tolerance that meets the error asked for; and what contacts cost that are
+// far from closing.
 #include "tests/benchmarks/compiled_run.h"
 #include "tests/benchmarks/hand_written/planar_body.h"
 #include "tests/benchmarks/hand_written/slip_stick.h"
@@ -9,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
+#include <fstream>
 #include <functional>
 #include <stdexcept>
 
@@ -74,6 +76,34 @@ void measureProblem(const Setup &setup, const Problem &problem, std::vector<Meas
   out.push_back({.name = problem.name + ", libtf to hand-written", .unit = "ratio", .value = ours / hand});
 }
 
+// A disc that bounces and slides to rest, and far posts: contacts that never close should cost next to nothing.
+void measureFarContacts(const Setup &setup, std::vector<Measurement> &out) {
+  constexpr int many = 200;
+  constexpr double bar = 2;
+  const auto secondsWith = [&setup](int posts) {
+    const std::string file = fmt::format("{}/far_{}.tf", setup.work, posts);
+    std::ofstream(file) << fmt::format(R"(
+model Far
+  constant Integer n = {};
+  coordinate Real q[2](start = {{0, 1}}, der(start = {{1, 0}}));
+  coordinate Real phi(start = 0, der(start = 2));
+  body disc(mass = 1, position = q, angle = phi, inertia = 0.1);
+  gravity g(acceleration = {{0, -9.81}});
+  contact floor(gap = q[2], slip = der(q[1]), friction = 0.3, restitution = 0.5);
+  contact far[n](gap = {{sqrt((q[1] - 100 - k)^2 + (q[2] - 50)^2) + 0.1*sin(phi + k) - 1 for k in 1:n}},
+    slip = {{der(q[1]) + 0.1*der(phi)*k for k in 1:n}}, each friction = 0.2);
+end Far;
+)",
+                                       posts);
+    CompiledRun run(compileModel(setup, file), "far contacts", {}, 3);
+    return cpuPerCall([&] { run.simulate(1e-6); });
+  };
+  const double one = secondsWith(1), all = secondsWith(many);
+  out.push_back({.name = "disc and 1 far contact, 3 s", .unit = "µs", .value = 1e6 * one});
+  out.push_back({.name = fmt::format("disc and {} far contacts, 3 s", many), .unit = "µs", .value = 1e6 * all});
+  out.push_back({.name = fmt::format("{} far contacts to 1", many), .unit = "ratio", .value = all / one, .bar = bar});
+}
+
 double bodyError(const hand_written::PlanarBody &body, double tolerance, double x, double y, double phi) {
   const auto state = hand_written::simulate(body, tolerance).state;
   return std::max({std::abs(state[0] - x), std::abs(state[1] - y), std::abs(state[2] - phi)});
@@ -115,6 +145,7 @@ std::vector<Measurement> hotSimulation(const Setup &setup) {
   for (const Problem *problem : {&slipStick, &fallingRod, &fallingBox}) {
     measureProblem(setup, *problem, out);
   }
+  measureFarContacts(setup, out);
   return out;
 }
 

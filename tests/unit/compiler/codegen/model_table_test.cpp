@@ -142,7 +142,7 @@ TEST_F(ModelTable, FunctionPointersAreInOrder) {
   const std::vector<tf_function> pointers{m.bindings,         m.starts,           m.kinematics,       m.kinematics_derivatives,
                                           m.dynamics,         m.switching,        m.contact_terms,    m.contact_parameters,
                                           m.constraint_terms, m.switch_gradients, m.step_derivatives, m.dynamics_derivatives,
-                                          m.outputs,          m.energies,         m.contact_dynamics};
+                                          m.outputs,          m.energies,         m.contact_dynamics, m.gap_bounds};
   for (std::size_t k = 0; k < pointers.size(); ++k) {
     if (k == 2) {
       EXPECT_EQ(pointers[k], nullptr);

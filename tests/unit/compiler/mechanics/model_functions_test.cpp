@@ -23,7 +23,8 @@ enum FunctionIndex {
   DynamicsDerivatives,
   Outputs,
   Energies,
-  ContactDynamics
+  ContactDynamics,
+  GapBounds
 };
 
 // One model with everything: a rod with moving contact, a friction element, states, switches of all kinds, an input.
@@ -52,7 +53,7 @@ protected:
   void SetUp() override {
     TF_ASSERT_DERIVED(model_);
     functions_ = modelFunctions(*model_);
-    ASSERT_EQ(functions_.size(), 15U);
+    ASSERT_EQ(functions_.size(), 16U);
     for (const auto &[kind, count] :
          {std::pair{Coordinate, model_->nq}, std::pair{Velocity, model_->nv}, std::pair{State, model_->nz}, std::pair{Input, model_->nu}})
       for (int k = 0; k < count; ++k)
