@@ -64,6 +64,7 @@ struct ContactSolver::Workspace {
   void alignDegenerate(const ContactProblem &problem, const ContactRates &rates);
   void readDegenerate(const ContactProblem &problem);
   const PlanarFrictionMode *translate(const ContactMode *mode);
+  void solveUnsettled(const ContactProblem &problem, const ContactMode *preferred);
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
   bool settleForces(const ContactProblem &problem);
@@ -298,10 +299,32 @@ void ContactSolver::Workspace::finish(const ContactProblem &problem, const Conta
     listDegenerate(problem, preferred);
 }
 
+// Where pivoting ends in a ray and there are too many modes to try: Newton's method. Where that finds no forces either, there are none for
+// all that can be said; the frictional impulse that follows proves it, or changes nothing.
+void ContactSolver::Workspace::solveUnsettled(const ContactProblem &problem, const ContactMode *preferred) {
+  pose(problem, cone.problem());
+  cone.problem().partner.assign(problem.tangentCount, -1);
+  const ConeFrictionSolution &found = cone.solve(nullptr, settings.feasibility);
+  statistics.newtonIterations += cone.iterations();
+  metric = cone.metric();
+  begin(found.force, found.acceleration, found.violation, found.scale);
+  labelMode(problem, preferred);
+  conic = false;
+  solution.status = found.solved ? ContactStatus::Solved : ContactStatus::Inconsistent;
+  if (found.solved) {
+    statistics.worstViolation = std::max(statistics.worstViolation, found.violation);
+    finish(problem, preferred);
+  } else {
+    solution.forced = findForced(problem);
+  }
+}
+
 void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const ContactMode *preferred) {
   pose(problem, solver.problem());
   const PlanarFrictionSolution &found = solver.solve(translate(preferred), settings.feasibility);
   count(found);
+  if (found.status == PlanarFrictionSolution::Status::Unsettled)
+    return solveUnsettled(problem, preferred);
   metric = solver.metric();
   begin(found.force, found.acceleration, found.violation, found.scale);
   switch (found.status) {
@@ -309,7 +332,6 @@ void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const 
     solution.status = ContactStatus::Inconsistent;
     break;
   case PlanarFrictionSolution::Status::Unsettled:
-    solution.status = ContactStatus::Unsettled;
     break;
   case PlanarFrictionSolution::Status::Several:
     solution.status = ContactStatus::Indeterminate;

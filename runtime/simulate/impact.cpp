@@ -121,6 +121,16 @@ const FrozenResult &Impact::follow(const std::vector<int> &contacts, const std::
     if (result->status != FrozenStatus::Finished || result->duration > 0)
       starter_ = forced[k];
   }
+  if (starter_ >= 0 || forced.size() < 2)
+    return *result;
+  // Contacts that only press each other in: all of them approach as slowly as can be told from rest.
+  constexpr double slowest = 4, change = 1e3;
+  for (const int contact : forced)
+    problem_.normalVelocity[rowOf(contact)] = -slowest * problem_.resolution;
+  result = &run(-1);
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if (std::abs(result->velocity[problem_.normalCount + j] - problem_.slipVelocity[j]) > change * problem_.resolution)
+      starter_ = forced.front();
   return *result;
 }
 

@@ -106,7 +106,11 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
   const bool turns = std::any_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); });
-  const tf_status stopped = !turns ? stopFaint(contacts) : impact_.isElastic() ? TF_OK : stopSlow(contacts, slow);
+  // Of several contacts with restitution each would go on shaking the others.
+  const bool shakes =
+      contacts.size() > 1 && std::any_of(contacts.begin(), contacts.end(), [this](int i) { return at_.restitution[i] > 0; });
+  const bool slowed = !impact_.isElastic() && (turns || shakes);
+  const tf_status stopped = slowed ? stopSlow(contacts, slow) : turns ? TF_OK : stopFaint(contacts);
   if (stopped != TF_OK)
     return stopped;
   for (int i : approaching)
@@ -442,8 +446,8 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   }
   if (energy_)
     energy_->addImpacts(lastImpact, afterImpact_.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
-  if (!dynamics_.start(mode_, time_, state_.data()))
-    return failEvaluation();
+  // The mode on the way need not have forces here any more: settle() finds those that follow.
+  dynamics_.start(mode_, time_, state_.data());
   beginEvent();
   std::vector<Transition> &transitions = beginTransitions();
   for (const int i : point.contacts)
