@@ -340,11 +340,14 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
   for (const int k : awake_) {
     if (isSampled(k) || !mayDip(k, a, b))
       continue;
-    const double error = std::abs(CubicHermite{a.value[k], a.rate[k], b.value[k], b.rate[k], h}.value(0.5) - middle.value[k]);
+    // The value there may fit by chance, not its rate as well.
+    const CubicHermite whole{a.value[k], a.rate[k], b.value[k], b.rate[k], h};
+    const double error = std::max(std::abs(whole.value(0.5) - middle.value[k]), 0.25 * std::abs(whole.slope(0.5) - h * middle.rate[k]));
     const double left = CubicHermite{a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h}.interiorMinimum();
     const double right = CubicHermite{middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h}.interiorMinimum();
-    // The cubics on the halves are about sixteen times better than the one on the whole.
-    again = again || middle.value[k] < 0 || std::min({left, right, middle.value[k]}) < 0.25 * error || left < 0 || right < 0;
+    // The cubics on the halves are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow
+    // post.
+    again = again || middle.value[k] < 0 || std::min({left, right, middle.value[k]}) < 4 * error || left < 0 || right < 0;
   }
   if (!again)
     return;
@@ -399,7 +402,7 @@ bool EventDetection::isSteady(int guard) const {
 int EventDetection::intervalCount() const {
   constexpr double most = 1000;
   const tf_model &model = dynamics_.model().model();
-  const double farthest = model.nr > 0 ? 1.5 : 3;  // quaternions turn by half of the angle
+  const double farthest = model.nr > 0 ? 0.5 : 1;  // quaternions turn by half of the angle
   const double h = end_.time - begin_.time;
   double turn = 0;
   for (int i = 0; i < model.nq; ++i)

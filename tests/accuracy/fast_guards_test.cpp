@@ -203,5 +203,30 @@ end Signal;
   withEachIntegrator(file, 1e-9, 0.2, [&](CompiledModel &model) { EXPECT_EQ(model.events().size(), 32U); }, {}, prepare);
 }
 
+// A bar that turns through up to 100 rad in a step strikes a post of radius 0.1 at its tip's radius 1 and turns back, 2π − 4 asin(0.05)
+// each time.
+TEST(NarrowPosts, AreNotPassedByInLongSteps) {
+  const std::string file = sourceFile("narrow_post.tf", R"(
+model NarrowPost
+  parameter Real place = 3.6;
+  coordinate Real phi(der(start = 50));
+  body bar(angle = phi, inertia = 1);
+  contact post(gap = sqrt((cos(phi) - cos(place))^2 + (sin(phi) - sin(place))^2) - 0.1, restitution = 1);
+end NarrowPost;
+)");
+  const double half = 2 * std::asin(0.05), turn = 2 * pi - 2 * half, first = 3.6 - half;
+  for (const tf_integrator integrator : integrators)
+    for (const double interval : {1.0, 0.37, 0.1})
+      for (double speed = 31; speed < 110; speed += 7.3) {
+        CompiledModel model(file, {{"der(phi)", speed}});
+        model.tolerance(1e-6).integrator(integrator).initialise();
+        for (double time = interval; time < 1; time += interval)
+          model.advance(time);
+        model.advance(1);
+        const int expected = 1 + static_cast<int>(std::floor((speed - first) / turn));
+        EXPECT_EQ(model.count(TF_EVENT_IMPACT), expected) << integrator << ", " << interval << ", " << speed;
+      }
+}
+
 }  // namespace
 }  // namespace tf::test
