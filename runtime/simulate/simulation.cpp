@@ -237,8 +237,12 @@ tf_status Simulation::Implementation::checkFriction() {
   for (int k = 0; k < bisections; ++k)
     (negativeAt(0.5 * (low + high)).empty() ? low : high) = 0.5 * (low + high);
   const std::string text = negativeAt(high);
-  time_ = high;
-  state_ = interpolated_;
+  if (integrator.shorten(high)) {
+    if (energy_)
+      energy_->addStep(integrator);
+    time_ = high;
+    std::copy_n(integrator.end(), n_, state_.begin());
+  }
   return failAt(text);
 }
 
