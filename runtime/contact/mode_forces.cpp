@@ -136,16 +136,19 @@ MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;
   if (!w.redundant || w.margins[margin].limit.row == ModeMargin::contradiction)
     return MarginOutcome::ModeEnds;
+  bool exists = true;
   if (w.set.isConic()) {
     if (!w.set.isInside() || w.set.confine(*w.problem, feasibility) != LeastNorm::Status::Solved)
       return MarginOutcome::ModeEnds;
-  } else if (w.margins[margin].multiplier)
+  } else if (w.margins[margin].multiplier) {
     w.set.release(margin);
-  else if (w.set.activate(margin) == LeastNorm::Status::Empty)
-    return MarginOutcome::ModeEnds;
+  } else {
+    exists = w.set.activate(margin) != LeastNorm::Status::Empty;
+  }
+  // The search for forces that are none has released other limits.
   w.listMargins();
   w.setProblem(*w.problem);
-  return MarginOutcome::Rechosen;
+  return exists ? MarginOutcome::Rechosen : MarginOutcome::ModeEnds;
 }
 
 void ModeForces::forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate,
