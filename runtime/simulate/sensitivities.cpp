@@ -177,7 +177,7 @@ bool Sensitivities::differenceRate(const Column &column, double time, const doub
     std::copy_n(point_.begin() + first, extra, values + n_);
     return true;
   };
-  rateAndVelocity_.resize(static_cast<std::size_t>(n_ + nv));
+  rateAndVelocity_.resize(static_cast<std::size_t>(n_) + static_cast<std::size_t>(nv));
   const bool isGood = difference(rate, scaleOf(column, still_.data()), n_ + extra, rateAndVelocity_.data());
   shift(column, 0);
   b = Eigen::Map<const Eigen::VectorXd>(rateAndVelocity_.data(), n_);
