@@ -369,6 +369,12 @@ void ModeDynamics::turningSlips(double time, const double *state, double *slips)
   slips_.slips(slips);
 }
 
+void ModeDynamics::turningSlipsByVelocity(double time, const double *state, double *rows) {
+  at_.setPoint(time, state);
+  at_.contactTerms(mask_.data());
+  slips_.slipsByVelocity(rows);
+}
+
 bool ModeDynamics::holdsEdge() const {
   return std::any_of(rows_.tangents().begin(), rows_.tangents().end(),
                      [this](int row) { return roles_[row] == TangentRole::Edge && mode_.tangent[row] == Tangent::Stick; });

@@ -147,8 +147,8 @@ public:
   [[nodiscard]] int turningSlipCount() const { return 2 * slips_.count(); }
   // At (time, state), which becomes the model's point.
   void turningSlips(double time, const double *state, double *slips);
-  // Their derivatives by velocity number k at the point of the last `jacobian`.
-  void turningSlipsBy(int k, double *derivatives) const { slips_.slipsBy(at_.model().nq + k, derivatives); }
+  // Their derivatives by v there, nv for each.
+  void turningSlipsByVelocity(double time, const double *state, double *rows);
   // A relaxed slip stays on the edge of its disk, where it turns within slipRadius/acceleration: stiff for any integrator that is not.
   [[nodiscard]] bool holdsEdge() const;
   // At the point of the latest `switching`.

@@ -129,15 +129,15 @@ void SlipDirections::differentiate(double time, const double *state) {
   at_.switching(ModelEvaluation::Slips);
 }
 
-void SlipDirections::slipsBy(int column, double *derivatives) const {
-  const std::ptrdiff_t columns = at_.model().nq + at_.model().nv;
-  for (std::size_t p = 0; p < 2 * pairs_.size(); ++p)
-    derivatives[p] = slipByState_[p * columns + column];
-}
-
 void SlipDirections::slips(double *values) const {
   for (std::size_t p = 0; p < 2 * pairs_.size(); ++p)
     values[p] = at_.slip[pairs_[p / 2].modelRow + p % 2];
+}
+
+void SlipDirections::slipsByVelocity(double *rows) const {
+  const int nv = at_.model().nv;
+  for (const Pair &pair : pairs_)
+    rows = std::copy_n(at_.tangent.data() + static_cast<std::ptrdiff_t>(pair.modelRow) * nv, 2 * nv, rows);
 }
 
 // The direction's slope is x y/(x² + δ²), see `align`.

@@ -50,10 +50,10 @@ public:
 
   // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
   void differentiate(double time, const double *state);
-  // Derivatives of all slips (two for each pair) by number `column` of (q, v) there.
-  void slipsBy(int column, double *derivatives) const;
-  // At the point of the latest `switching`.
+  // All slips, two for each pair, at the point of the latest `switching`.
   void slips(double *values) const;
+  // Their derivatives by v, nv for each, at the point of the latest contact terms.
+  void slipsByVelocity(double *rows) const;
   // Derivative of the angle of friction's direction by number `column` of (q, v) there, in radians per unit.
   [[nodiscard]] double turning(int pair, int column) const;
 

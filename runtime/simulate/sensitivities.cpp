@@ -153,8 +153,7 @@ void Sensitivities::fixSlips(double time, const double *state) {
     return;
   slipChange_.resize(slips_.size());
   slipByVelocity_.resize(slips_.size(), nv);
-  for (int k = 0; k < nv; ++k)
-    dynamics_.turningSlipsBy(k, slipByVelocity_.col(k).data());
+  dynamics_.turningSlipsByVelocity(time, state, slipByVelocity_.data());
   velocityBySlip_.compute(slipByVelocity_);
   dynamics_.turningSlips(time, state, slips_.data());
 }

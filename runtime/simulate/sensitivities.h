@@ -104,7 +104,7 @@ private:
   std::vector<double> still_, point_;
   // of slips of two components: their values, by velocities, and the velocities that make up for a change of them
   Eigen::VectorXd slips_, slipChange_;
-  Eigen::MatrixXd slipByVelocity_;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> slipByVelocity_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> velocityBySlip_;
   std::vector<double> rateAndVelocity_;
 };

@@ -247,6 +247,17 @@ constexpr const char *kLanding = R"(model Landing "a box that slides on one corn
   contact floor[2](gap = corner[:, 2], slip = der(corner[:, 1]), each friction = mu, each restitution = e);
 end Landing;
 )";
+constexpr const char *kRelay = R"(model Relay "thrown across a belt, beside a state that slides on its switch"
+  parameter Real u = 1, mu = 0.3;
+  coordinate Real x[2](der(start = {0, 1.5})), z;
+  Real s(start = 0);
+  body b(mass = 1, position = {x[1], x[2], z});
+  gravity weight(acceleration = {0, 0, -10});
+  contact belt(gap = z, slip = {der(x[1]) - u, der(x[2])}, friction = mu);
+equation
+  der(s) = if s > 0 then -2 else 2;
+end Relay;
+)";
 constexpr const char *kPendulum = R"(model Pendulum "in Cartesian coordinates, all of which have a start"
   parameter Real L = 1, angle = 1.2;
   coordinate Real q[2](start = {L*sin(angle), -L*cos(angle)});
@@ -311,10 +322,10 @@ INSTANTIATE_TEST_SUITE_P(InSpace, RunDifferences,
                                          Case{kBall, 2, "wz", 10}, Case{kPuck, 0.3, "k", 1}, Case{kPuck, 4, "mu", 0.3},
                                          Case{kPuck, 4, "angle", 0.4}, Case{kPuck, 3, "pull", 12}, Case{kPuck, 4, "k", 1},
                                          Case{kHeld, 1, "mu", 0.3}, Case{kHeld, 1, "e", 0.4}, Case{kHeld, 1, "side", 0.3},
-                                         Case{kElement, 3, "bound", 3}, Case{kElement, 3, "vx", 1.2}, Case{kElement, 3, "k", 20},
-                                         Case{kPlate, 0.2, "mu", 0.3}, Case{kPlate, 1, "mu", 0.3, 2e-6}, Case{kPlate, 1, "vx", 1, 2e-6},
-                                         Case{kPlate, 1, "w0", 4, 2e-6}, Case{kPolygon, 4, "mu", 0.3}, Case{kPolygon, 4, "angle", 0.4},
-                                         Case{kPolygon, 4, "k", 1}));
+                                         Case{kRelay, 0.5, "u", 1}, Case{kRelay, 0.5, "mu", 0.3}, Case{kElement, 3, "bound", 3},
+                                         Case{kElement, 3, "vx", 1.2}, Case{kElement, 3, "k", 20}, Case{kPlate, 0.2, "mu", 0.3},
+                                         Case{kPlate, 1, "mu", 0.3, 2e-6}, Case{kPlate, 1, "vx", 1, 2e-6}, Case{kPlate, 1, "w0", 4, 2e-6},
+                                         Case{kPolygon, 4, "mu", 0.3}, Case{kPolygon, 4, "angle", 0.4}, Case{kPolygon, 4, "k", 1}));
 
 // The slips of both corners end in the impact or, with less friction, right after it.
 INSTANTIATE_TEST_SUITE_P(Landing, RunDifferences,
