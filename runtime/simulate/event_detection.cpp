@@ -117,6 +117,7 @@ void EventDetection::restart(double time, double speedOfRounding) {
   varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
   cut_ = false;
   starts_.assign(dynamics_.guards().size(), {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0});
+  // A gap whose reading leaves the screen's box wakes contacts.
   do {
     chooseAwake();
     readGuards(time, begin_);
@@ -531,10 +532,8 @@ void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
 }
 
 bool EventDetection::hasUndefined() const {
-  for (std::size_t k = 0; k < starts_.size(); ++k)
-    if (std::isnan(end_.value[k]) && !isForceGuard(dynamics_.guards()[k].kind))
-      return true;
-  return false;
+  return std::any_of(awake_.begin(), awake_.end(),
+                     [this](int k) { return std::isnan(end_.value[k]) && !isForceGuard(dynamics_.guards()[k].kind); });
 }
 
 void EventDetection::advance() {

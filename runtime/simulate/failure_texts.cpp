@@ -17,6 +17,9 @@ std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN
 // Disks whose radius the selection of modes could take for zero.
 constexpr double leastSlipRadius = 1e-9;
 
+// The largest gap of a contact that starts closed.
+double touchingGap(const tf_contact &contact) { return 1e-9 * std::max(1.0, contact.nominal); }
+
 // `slips`: of the element's rows.
 template <class Element> std::string slipRadius(std::string_view kind, const Element &element, const double *slips) {
   if (element.friction_form != TF_FRICTION_RELAXED)
@@ -76,10 +79,9 @@ std::string FailureTexts::contactsAtStart(double time, const double *state) {
   at_.switchingOfAll(ModelEvaluation::Gaps);
   for (int i = 0; i < model_.nc; ++i) {
     const tf_contact &contact = model_.contacts[i];
-    const double tolerance = 1e-9 * std::max(1.0, contact.nominal);
     if (!std::isfinite(at_.gap[i]))
       return fmt::format("'{}.gap' is {} at the start {}", contact.name, nameOfNonFinite(at_.gap[i]), sourceOf(contact.location));
-    if (at_.gap[i] < -tolerance)
+    if (at_.gap[i] < -touchingGap(contact))
       return fmt::format("contact '{}' starts with a penetration of {:.6g} {}", contact.name, -at_.gap[i], sourceOf(contact.location));
   }
   return {};
@@ -160,8 +162,13 @@ std::string FailureTexts::nonFinite() {
   return "a value that is not finite";
 }
 
+std::string FailureTexts::undefinedContact(double time, const double *state) {
+  at_.setPoint(time, state);
+  return nonFiniteContact();
+}
+
 std::string FailureTexts::nonFiniteContact() {
-  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  at_.switchingOfAll(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   at_.contactTerms(all_.data());
   const auto firstOf = [](const double *first, int count) {
     const double *bad = std::find_if(first, first + count, [](double value) { return !std::isfinite(value); });
@@ -182,6 +189,9 @@ std::string FailureTexts::nonFiniteContact() {
     for (const double value : {at_.gap[i], at_.gapRate[i], at_.normalBias[i], firstOf(at_.normal.data() + i * model_.nv, model_.nv)})
       if (!std::isfinite(value))
         return found(value, "gap", "contact", contact.name, contact.location);
+    // Nobody reads the slip of an open contact.
+    if (at_.gap[i] > touchingGap(contact))
+      continue;
     if (const double value = slipOf(contact.tangent_first, contact.tangent_count); !std::isfinite(value))
       return found(value, "slip", "contact", contact.name, contact.location);
     if (!std::isfinite(at_.friction[i]))

@@ -31,15 +31,16 @@ public:
 
   // "the mass matrix is singular: …", or what is wrong with it.
   [[nodiscard]] std::string singularMass() const;
-  // The first contact or friction element whose gap, slip, friction or bound, or a derivative of it, is no finite number at the
-  // evaluation's point.
-  std::string nonFiniteContact();
+  // The first contact whose gap, or friction element or touching contact whose slip, friction or bound, or a derivative of it, is no finite
+  // number at (time, state).
+  std::string undefinedContact(double time, const double *state);
   // The failure of the dynamics' last evaluation.
   std::string evaluation();
 
 private:
   std::string slipRadii();
   std::string nonFinite();
+  std::string nonFiniteContact();
   std::string nonFiniteConstraint();
   [[nodiscard]] std::string place(tf_kind kind, int index) const;
 

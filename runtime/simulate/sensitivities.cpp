@@ -13,6 +13,9 @@ namespace {
 // Of a difference, relative to the magnitude of what changes: rounding 1e-16 / 1e-4, truncation (1e-4)⁴.
 constexpr double differenceStep = 1e-4;
 
+// The difference of derivatives to both sides that is a kink, relative to the magnitude of their change.
+constexpr double visibleKink = 1e-3;
+
 }  // namespace
 
 Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instance, const InputSignals &inputs,
@@ -307,16 +310,20 @@ bool Sensitivities::differentiate(const std::function<bool(double time, double *
   return isGood;
 }
 
-bool Sensitivities::mapColumns(const Map &map, double time, const double *state) {
-  const auto values = [&](double at, double *point, double *result) {
-    if (!map(at, point))
+// The map as values at a point.
+auto Sensitivities::image(const Map &map) const {
+  return [&map, n = n_](double time, double *state, double *values) {
+    if (!map(time, state))
       return false;
-    std::copy_n(point, n_, result);
+    std::copy_n(state, n, values);
     return true;
   };
+}
+
+bool Sensitivities::mapColumns(const Map &map, double time, const double *state) {
   Eigen::MatrixXd mapped(n_, columnCount());
   for (int k = 0; k < columnCount(); ++k)
-    if (!differentiate(values, time, state, k, n_, mapped.col(k).data()))
+    if (!differentiate(image(map), time, state, k, n_, mapped.col(k).data()))
       return false;
   matrix_ = mapped;
   return matrix_.allFinite();
@@ -334,15 +341,11 @@ template <class Function> bool Sensitivities::kink(const Function &function, dou
   return true;
 }
 
-// Into jump_, where the map has a kink. False: it has none.
+// Of each column, the difference of the map's derivatives to both sides into jump_, zero where it has no kink; then, too, refinement_ is
+// that of the differences that do not reach one nearby. False: no column has a kink.
 bool Sensitivities::findKink(const Map &map, double time, const double *state) {
-  constexpr double visible = 1e-3, finest = 1e3;
-  const auto values = [&](double at, double *point, double *result) {
-    if (!map(at, point))
-      return false;
-    std::copy_n(point, n_, result);
-    return true;
-  };
+  constexpr double finest = 1e3;
+  const auto values = image(map);
   bool found = false;
   jump_.setZero(n_, columnCount());
   std::copy_n(state, state_.size(), state_.begin());
@@ -353,7 +356,7 @@ bool Sensitivities::findKink(const Map &map, double time, const double *state) {
     // A kink nearby is out of reach of smaller steps.
     for (double &finer = refinement_[static_cast<std::size_t>(k)] = 1; isThere; finer *= 10) {
       isThere = kink(along(values, time, state, k), scale * finer, jump.data()) && jump.allFinite() &&
-                jump.lpNorm<Eigen::Infinity>() > visible * scale;
+                jump.lpNorm<Eigen::Infinity>() > visibleKink * scale;
       if (!isThere || finer >= finest)
         break;
     }
@@ -388,10 +391,9 @@ bool Sensitivities::propagate(const Map &map, double time, const double *state) 
 }
 
 bool Sensitivities::isOneSided() {
-  constexpr double visible = 1e-3;
   bool found = false;
   for (Eigen::Index k = 0; k < jump_.cols(); ++k)
-    found = found || jump_.col(k).lpNorm<Eigen::Infinity>() > visible * alongScale(static_cast<int>(k));
+    found = found || jump_.col(k).lpNorm<Eigen::Infinity>() > visibleKink * alongScale(static_cast<int>(k));
   jump_.resize(0, 0);
   return found;
 }

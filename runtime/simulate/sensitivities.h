@@ -73,6 +73,7 @@ private:
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
   bool sampleStep(SmoothIntegrator &integrator, double begin, double length);
+  [[nodiscard]] auto image(const Map &map) const;
   bool mapColumns(const Map &map, double time, const double *state);
   bool findKink(const Map &map, double time, const double *state);
   template <class Function> bool kink(const Function &function, double scale, double *jump);

@@ -39,27 +39,25 @@ tf_status Simulation::Implementation::failSensitivities(std::string_view where) 
 tf_status Simulation::Implementation::failEvaluation() { return fail(failures_.evaluation()); }
 
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
-void Simulation::Implementation::startIntegrator() {
+void Simulation::Implementation::startMode() {
   integrators_.useForNewMode();
-  startCurrent();
+  startIntegrator(GapsAtStart::Unknown);
 }
 
 // The same, but the mode is the one before.
-void Simulation::Implementation::resumeIntegrator() {
+void Simulation::Implementation::resumeMode() {
   integrators_.useForNewMode();
-  detection_.setIntegrator(integrators_.current());
-  detection_.resume(time_, 0.5 * selection_.velocityTolerance(state_.data()));
-  launch();
+  startIntegrator(GapsAtStart::AsBefore);
 }
 
-void Simulation::Implementation::startCurrent() {
-  detection_.setIntegrator(integrators_.current());
-  detection_.restart(time_, 0.5 * selection_.velocityTolerance(state_.data()));
-  launch();
-}
-
-void Simulation::Implementation::launch() {
+void Simulation::Implementation::startIntegrator(GapsAtStart gaps) {
   SmoothIntegrator &integrator = integrators_.current();
+  const double slow = 0.5 * selection_.velocityTolerance(state_.data());
+  detection_.setIntegrator(integrator);
+  if (gaps == GapsAtStart::Unknown)
+    detection_.restart(time_, slow);
+  else
+    detection_.resume(time_, slow);
   integrator.start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_.watchStart();
 }
@@ -210,7 +208,7 @@ tf_status Simulation::Implementation::settleStart() {
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
   if (sensitivities_)
-    if (const tf_status status = differentiateStart(); status != TF_OK)
+    if (const tf_status status = checkStartDerivatives(); status != TF_OK)
       return status;
   if (impact || std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_PAINLEVE; }))
     report(transitions);
@@ -247,7 +245,7 @@ tf_status Simulation::Implementation::checkFriction() {
 }
 
 // A gap that opens at the start takes a longer time to close than starts are apart, of the order of its root: there is no derivative.
-tf_status Simulation::Implementation::differentiateStart() {
+tf_status Simulation::Implementation::checkStartDerivatives() {
   constexpr double opens = 1e-6;
   std::vector<double> gapChange(model_.nc);
   const auto gaps = [this](double time, double *state, double *values) {
@@ -307,7 +305,7 @@ bool Simulation::Implementation::skipTo(double limit) {
   time_ = limit;
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return false;
-  resumeIntegrator();
+  resumeMode();
   return true;
 }
 
@@ -346,7 +344,7 @@ tf_status Simulation::Implementation::step(double limit) {
   if (event.guard >= 0)
     return handle(event, limit);
   if (detection_.hasUndefined())
-    if (const std::string text = failures_.nonFiniteContact(); !text.empty())
+    if (const std::string text = failures_.undefinedContact(integrator.endTime(), integrator.end()); !text.empty())
       return fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
   detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
@@ -438,7 +436,7 @@ void Simulation::Implementation::save(void *buffer) {
   rest_.read(more.impacts.data());
   at_.screen().forget();
   if (modeValid_ && dynamics_.start(mode_, time_, state_.data(), rate_.data()))
-    startIntegrator();
+    startMode();
 }
 
 void Simulation::Implementation::restore(const void *buffer) {
@@ -457,7 +455,7 @@ void Simulation::Implementation::restore(const void *buffer) {
   at_.screen().forget();
   modeValid_ = dynamics_.start(mode_, time_, state_.data(), rate_.data());
   if (modeValid_)
-    startIntegrator();
+    startMode();
 }
 
 const tf_statistics &Simulation::Implementation::statistics() {

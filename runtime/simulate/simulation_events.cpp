@@ -24,7 +24,7 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
         return status;
       continue;
     case SelectionStatus::Failed:
-      if (const std::string text = undefinedContact(); !text.empty())
+      if (const std::string text = failures_.undefinedContact(time_, state_.data()); !text.empty())
         return failAt(text);
       if (selection.text.empty())
         return failEvaluation();
@@ -33,14 +33,8 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
       return enterMode(selection, transitions);
     }
   }
-  const std::string text = undefinedContact();
+  const std::string text = failures_.undefinedContact(time_, state_.data());
   return failAt(text.empty() ? "no consistent continuation after the impact" : text);
-}
-
-// Of the contacts and friction elements at (time_, state_).
-std::string Simulation::Implementation::undefinedContact() {
-  at_.setPoint(time_, state_.data());
-  return failures_.nonFiniteContact();
 }
 
 tf_status Simulation::Implementation::enterMode(const Selection &selection, std::vector<Transition> &transitions) {
@@ -62,12 +56,11 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
       return failSensitivities("the mode that begins");
     if (sensitivities_->isOneSided())
       return failSensitivities("an event at which those for larger and for smaller values of a parameter differ");
-  }
-  if (sensitivities_)
     sensitivities_->endEvent(rate_.data());
+  }
   if (std::isinf(suggestedStep_) && !(mode_ == previousMode_))
     suggestedStep_ = 0;
-  startIntegrator();
+  startMode();
   return TF_OK;
 }
 
@@ -283,7 +276,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
     dynamics_.renewDirections(time_, state_.data());
     dynamics_.evaluate(time_, state_.data(), rate_.data());
-    resumeIntegrator();
+    resumeMode();
     return TF_OK;
   }
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.isPole(event.guard))
@@ -390,7 +383,7 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     integrators_.use(*bounces, IntegratorReason::LowBounces);
-    startCurrent();
+    startIntegrator(GapsAtStart::Unknown);
   }
   return TF_OK;
 }
@@ -427,7 +420,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     state_ = afterImpact_;
     if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))
       return failEvaluation();
-    startIntegrator();
+    startMode();
     return TF_OK;
   }
   for (int i = 0; i < model_.nc; ++i)
@@ -563,7 +556,7 @@ tf_status Simulation::Implementation::endStep(double next) {
   dynamics_.renewDirections(time_, state_.data());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  resumeIntegrator();
+  resumeMode();
   return TF_OK;
 }
 

@@ -73,6 +73,8 @@ public:
   std::vector<double> incoming_, afterImpact_, interpolated_;
 
 private:
+  // Whether gaps that begin at zero have opened before: to be found out, or known from before.
+  enum class GapsAtStart : std::uint8_t { Unknown, AsBefore };
   // What continuation depends on and the parts of the simulation own.
   struct Continuation {
     explicit Continuation(std::size_t impactNumbers) : impacts(impactNumbers) {}
@@ -90,13 +92,11 @@ private:
   tf_status takeStarts();
   tf_status solveStart();
   tf_status settleStart();
-  tf_status differentiateStart();
-  std::string undefinedContact();
+  tf_status checkStartDerivatives();
   bool startsStayConsistent();
-  void startCurrent();
-  void startIntegrator();
-  void resumeIntegrator();
-  void launch();
+  void startMode();
+  void resumeMode();
+  void startIntegrator(GapsAtStart gaps);
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();

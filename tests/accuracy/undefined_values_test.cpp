@@ -46,6 +46,10 @@ INSTANTIATE_TEST_SUITE_P(
     Contacts, UndefinedValues,
     testing::Values(Undefined{"gap", "contact c(gap = y + 10 - sqrt(0.5 - time))", "NaN in the gap of contact 'c' (", 0.47, 0.53},
                     Undefined{"gap_by_state", "contact c(gap = sqrt(0.5 - x) + y + 10)", "NaN in the gap of contact 'c' (", 0.47, 0.53},
+                    Undefined{"gap_beside_an_open_contact",
+                              "contact a(gap = y + 20, slip = der(x) - sqrt(-1 - time), friction = 0.1);\n  "
+                              "contact c(gap = y + 10 - sqrt(0.5 - time))",
+                              "NaN in the gap of contact 'c' (", 0.47, 0.53},
                     Undefined{"slip", "contact c(gap = y, slip = der(x) - sqrt(0.5 - time), friction = 0.01)",
                               "NaN in the slip of contact 'c' (", 0.47, 0.53},
                     Undefined{"slip_at_the_start", "contact c(gap = y, slip = der(x) - sqrt(-1 - time), friction = 0.01)",

@@ -1,5 +1,5 @@
 // Coefficients of friction that depend on time and place: they may be zero for a while or for an instant, and begin and end with a switch.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/each_integrator.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -21,81 +21,69 @@ std::string block(const std::string &name, const std::string &friction, bool inS
                                       ", friction = " + friction + ");\nend Block;\n");
 }
 
-struct Case {
-  const char *name, *friction;
-  Settings settings;
-  double end, speed;
-};
-
-// The speed at the end.
-void expectSpeed(const Case &wanted) {
+// The block's speed at time 1.
+void expectSpeed(const std::string &name, const std::string &friction, const Settings &settings, double speed) {
   for (const bool inSpace : {false, true}) {
-    const std::string file = block(wanted.name + std::string(inSpace ? "_in_space" : ""), wanted.friction, inSpace);
-    for (const tf_integrator integrator : integrators) {
-      CompiledModel model(file, wanted.settings);
-      model.tolerance(1e-9).integrator(integrator);
-      model.run(wanted.end);
-      EXPECT_NEAR(model["der(x)"], wanted.speed, 2e-8) << wanted.name << (inSpace ? " in space" : "") << ", integrator " << integrator;
-    }
+    SCOPED_TRACE(inSpace ? name + " in space" : name);
+    withEachIntegrator(
+        block(inSpace ? name + "_in_space" : name, friction, inSpace), 1e-9, 1,
+        [&](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], speed, 2e-8); }, settings);
   }
 }
 
+const Settings thrown = {{"der(x)", 3}};
+
 TEST(VaryingFriction, GrowsFromZero) {
-  expectSpeed({"growing", "0.3*time", {{"der(x)", 3}}, 1, 1.5});
-  expectSpeed({"growing_slowly", "0.3*time^2", {{"der(x)", 3}}, 1, 2});
+  expectSpeed("growing", "0.3*time", thrown, 1.5);
+  expectSpeed("growing_slowly", "0.3*time^2", thrown, 2);
+}
+
+// From x = 1 on an oscillation of ω² = 0.3·10.
+TEST(VaryingFriction, BeginsAtAPlace) {
+  const double omega = std::sqrt(3.0);
+  withEachIntegrator(
+      block("beginning", "max(0, 0.3*(x - 1))"), 1e-9, 1,
+      [&](const CompiledModel &model) {
+        EXPECT_NEAR(model["x"], 1 + 3 / omega * std::sin(omega * 2 / 3), 1e-8);
+        EXPECT_NEAR(model["der(x)"], 3 * std::cos(omega * 2 / 3), 1e-8);
+      },
+      thrown);
 }
 
 // dv²/dx = −2 μ g.
-TEST(VaryingFriction, BeginsAtAPlace) {
-  const Case wanted{"beginning", "max(0, 0.3*(x - 1))", {{"der(x)", 3}}, 1, 0};
-  for (const tf_integrator integrator : integrators) {
-    CompiledModel model(block(wanted.name, wanted.friction), wanted.settings);
-    model.tolerance(1e-9).integrator(integrator);
-    model.run(wanted.end);
-    // From x = 1 on an oscillation of ω² = 0.3·10.
-    const double omega = std::sqrt(3.0);
-    EXPECT_NEAR(model["x"], 1 + 3 / omega * std::sin(omega * 2 / 3), 1e-8);
-    EXPECT_NEAR(model["der(x)"], 3 * std::cos(omega * 2 / 3), 1e-8);
-  }
-}
-
 TEST(VaryingFriction, EndsAtAPlace) {
-  for (const char *friction : {"max(0, 0.3*(1 - x))", "if x < 1 then 0.3*(1 - x) else 0"})
-    expectSpeed({friction[0] == 'm' ? "ending" : "ending_by_if", friction, {{"der(x)", 3}}, 1, std::sqrt(6.0)});
+  expectSpeed("ending", "max(0, 0.3*(1 - x))", thrown, std::sqrt(6.0));
+  expectSpeed("ending_by_if", "if x < 1 then 0.3*(1 - x) else 0", thrown, std::sqrt(6.0));
 }
 
-TEST(VaryingFriction, EndsAtATime) { expectSpeed({"ending_in_time", "if time < 0.5 then 0.5 - time else 0", {{"der(x)", 3}}, 1, 1.75}); }
+TEST(VaryingFriction, EndsAtATime) { expectSpeed("ending_in_time", "if time < 0.5 then 0.5 - time else 0", thrown, 1.75); }
 
 // Zero at some places only: ∫ |sin 5x| over three halves of a period is 6/5.
 TEST(VaryingFriction, VanishesForAnInstant) {
-  const Case wanted{"vanishing", "0.3*abs(sin(5*x))", {{"der(x)", 3}}, 1, 0};
-  for (const tf_integrator integrator : integrators) {
-    CompiledModel model(block(wanted.name, wanted.friction), wanted.settings);
-    model.tolerance(1e-9).integrator(integrator);
-    model.run(wanted.end);
-    const double phase = 5 * model["x"] - 3 * pi;
-    ASSERT_GT(phase, 0);
-    ASSERT_LT(phase, pi);
-    EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 2 * 3 * (1.2 + (1 - std::cos(phase)) / 5)), 1e-8);
-  }
+  withEachIntegrator(
+      block("vanishing", "0.3*abs(sin(5*x))"), 1e-9, 1,
+      [](const CompiledModel &model) {
+        const double phase = 5 * model["x"] - 3 * pi;
+        ASSERT_GT(phase, 0);
+        ASSERT_LT(phase, pi);
+        EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 2 * 3 * (1.2 + (1 - std::cos(phase)) / 5)), 1e-8);
+      },
+      thrown);
 }
 
 // The coefficient has a square root of the place: its branch cannot be evaluated beyond the place where it ends.
 TEST(VaryingFriction, EndsWithASquareRoot) {
-  for (const tf_integrator integrator : integrators) {
-    CompiledModel model(block("root", "0.3*sqrt(max(0, 1 - x))"), {{"der(x)", 3}});
-    model.tolerance(1e-9).integrator(integrator);
-    model.run(1);
-    EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 4.0), 1e-7);
-  }
+  withEachIntegrator(
+      block("root", "0.3*sqrt(max(0, 1 - x))"), 1e-9, 1,
+      [](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 4.0), 1e-7); }, thrown);
 }
 
 TEST(VaryingFriction, HoldsABlockFromZeroOn) {
-  expectSpeed({"holding", "0.3*time", {}, 1, 0});
-  expectSpeed({"holding_a_force", "0.3*time", {{"F1", 1}}, 1, 0});
-  expectSpeed({"yielding", "0.3*time", {{"F1", 4}}, 1, 0.5});
+  expectSpeed("holding", "0.3*time", {}, 0);
+  expectSpeed("holding_a_force", "0.3*time", {{"F1", 1}}, 0);
+  expectSpeed("yielding", "0.3*time", {{"F1", 4}}, 0.5);
   // v = t − 3/2 t² until t = 2/3.
-  expectSpeed({"stopping", "0.3*time", {{"F0", 1}}, 1, 0});
+  expectSpeed("stopping", "0.3*time", {{"F0", 1}}, 0);
   CompiledModel model(block("stopping", "0.3*time"), {{"F0", 1}});
   model.tolerance(1e-9).run(1);
   EXPECT_NEAR(model["x"], 2.0 / 27, 1e-9);
@@ -104,7 +92,7 @@ TEST(VaryingFriction, HoldsABlockFromZeroOn) {
 // Without a switch the model is wrong: the run ends where the coefficient passes zero.
 TEST(VaryingFriction, BelowZeroEndsTheRun) {
   for (const tf_integrator integrator : integrators) {
-    CompiledModel model(block("negative", "0.1 + 0.2*sin(3*x)"), {{"der(x)", 3}});
+    CompiledModel model(block("negative", "0.1 + 0.2*sin(3*x)"), thrown);
     model.tolerance(1e-9).integrator(integrator);
     try {
       model.run(1);
@@ -126,14 +114,11 @@ equation
   der(h) = -sqrt(max(0, h));
 end Tank;
 )");
-  for (const tf_integrator integrator : integrators) {
-    CompiledModel model(file);
-    model.tolerance(1e-8).integrator(integrator);
-    model.run(1);
+  withEachIntegrator(file, 1e-8, 1, [](CompiledModel &model) {
     EXPECT_NEAR(model["h"], 0.25, 1e-7);
     model.advance(3);
     EXPECT_NEAR(model["h"], 0, 1e-8);
-  }
+  });
 }
 
 }  // namespace
