@@ -322,6 +322,27 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
   return failAt(fmt::format("the integrator cannot meet tolerance {:.3g}", owner_.options.tolerance));
 }
 
+// The end of the integrator's step onto what the mode holds at zero. A correction by the rows of the last evaluation leaves its product
+// with the way from there, so that large ones take several. After one that is not negligible the dynamics is evaluated at the end. False:
+// it cannot be.
+bool Simulation::Implementation::projectEnd() {
+  constexpr int mostPasses = 8;
+  constexpr double rounding = 1e-14;
+  SmoothIntegrator &integrator = integrators_.current();
+  double way = 0, left = 1;
+  for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
+    const double correction = dynamics_.project(integrator.end(), integrator.settings().scale.data());
+    way += correction;
+    left = correction * way;
+    if (correction > integrator.negligibleCorrection()) {
+      if (!dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
+        return false;
+      way = 0;
+    }
+  }
+  return true;
+}
+
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
@@ -337,8 +358,7 @@ tf_status Simulation::Implementation::step(double limit) {
     return failStep(status);
   integrators_.countStep(statistics_);
   SmoothIntegrator &integrator = integrators_.current();
-  const double correction = dynamics_.project(integrator.end(), integrator.settings().scale.data());
-  if (correction > integrator.negligibleCorrection() && !dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
+  if (!projectEnd())
     return failEvaluation();
   const DetectedEvent event = detection_.detect();
   if (event.guard >= 0)

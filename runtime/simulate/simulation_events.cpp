@@ -266,10 +266,10 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   }
   const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
-  if (const double *scale = integrator.settings().scale.data(); stops)
-    dynamics_.projectStop(integrator.end(), scale, event.guard, stopTolerance());
-  else
-    dynamics_.project(integrator.end(), scale);
+  if (stops)
+    dynamics_.projectStop(integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
+  else if (!projectEnd())
+    return failEvaluation();
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   // Other least-norm forces of redundant contacts: the same motion, no event.

@@ -103,6 +103,7 @@ private:
   tf_status checkFriction();
   void enterSegment();
   bool skipTo(double limit);
+  bool projectEnd();
   tf_status failStep(StepStatus status);
   tf_status step(double limit);
   tf_status commit();

@@ -42,6 +42,25 @@ end Pendulum;
   }
 }
 
+// Long steps at a loose tolerance end far from the constraint: one correction does not do.
+TEST_P(Constraints, ResidualsAreOfTheSizeOfRoundingAtALooseTolerance) {
+  const std::string file = sourceFile("driven_crank.tf", R"(model Crank
+  parameter Real r = 0.3, l = 1, speed = 5;
+  coordinate Real a(start = 0, der(start = speed)), x(start = r + l);
+  body crank(angle = a, inertia = 0.1);
+  body slider(mass = 2, position = {x, 0});
+  constraint rod(residual = (x - r*cos(a))^2 + (r*sin(a))^2 - l^2);
+  constraint drive(residual = a - speed*time);
+end Crank;
+)");
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-5}) {
+    CompiledModel model(file);
+    ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+    model.tolerance(tolerance).integrator(GetParam()).run(3);
+    EXPECT_LE(tf_get_statistics(model.simulation())->worst_constraint, 2e-14) << tolerance;
+  }
+}
+
 // A slider-crank with the rod's angle and the slider as further coordinates, and with the crank's angle alone.
 TEST_P(Constraints, SliderCrankInMixedCoordinatesMovesAsInMinimalOnes) {
   CompiledModel mixed(sourceFile("slider_crank_mixed.tf", R"(model SliderCrank
