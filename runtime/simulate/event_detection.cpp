@@ -56,13 +56,15 @@ double EventDetection::level(int guard) const {
 }
 
 // A gap that leaves zero at a tiny speed returns before it can be told from rounding; the integral of its rate (trapezoidal rule, exact for
-// a ballistic hop) shows it all the same.
+// a ballistic hop) shows it all the same. Of higher hops the gap is the more exact one.
 double EventDetection::hop(int guard, double time, double gap, double rate) const {
-  const double scale = dynamics_.guards()[guard].scale, base = hopBase(guard);
-  if (!startsToRounding_ || starts_[guard].value > rounding * scale || std::abs(gap - base) > rounding * scale)
+  const Start &start = starts_[guard];
+  const double lowest = rounding * dynamics_.guards()[guard].scale, base = hopBase(guard);
+  if (!startsToRounding_ || start.value > lowest || std::abs(gap - base) > lowest)
     return gap;
-  const double integral = 0.5 * (time - starts_[guard].time) * (starts_[guard].rate + rate);
-  return std::abs(integral) <= 10 * rounding * scale ? base + integral : gap;
+  const double duration = time - start.time, integral = 0.5 * duration * (start.rate + rate);
+  const double height = rate < 0 && start.rate > 0 ? 0.5 * duration * start.rate * start.rate / (start.rate - rate) : integral;
+  return std::abs(height) <= lowest && std::abs(integral) <= 10 * lowest ? base + integral : gap;
 }
 
 void EventDetection::readGuards(double time, Sample &sample) {
