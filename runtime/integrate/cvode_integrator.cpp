@@ -139,8 +139,8 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
 }
 
 void CvodeIntegrator::setTolerance() {
-  solver_->problem.tolerance =
-      std::max(stepShare(settings_.tolerance) * (careful_ ? carefulFactor : 1) * settings_.tolerance, careful_ ? 1e-12 : 1e-13);
+  const double share = stepShare(settings_.tolerance) * settings_.tolerance;
+  solver_->problem.tolerance = careful_ ? std::clamp(carefulFactor * share, 1e-12, 1e-10) : std::max(share, 1e-13);
 }
 
 void CvodeIntegrator::setCareful(bool careful) {
