@@ -28,6 +28,7 @@ struct Problem {
   const double *scale;
   std::vector<double> rate;
   double tolerance = 0;
+  double correction = 0;  // the largest one of a projection in the step
 };
 
 // Weights of the error norm: 1 / (tolerance · max(scale, |y|)). A function, since it may change from step to step.
@@ -62,7 +63,7 @@ int projectState(realtype time, N_Vector state, N_Vector correction, realtype /*
   const int n = problem->dynamics->size();
   double *moved = problem->rate.data();
   std::copy_n(N_VGetArrayPointer(state), n, moved);
-  problem->dynamics->project(moved, problem->scale);
+  problem->correction = std::max(problem->correction, problem->dynamics->project(moved, problem->scale));
   for (int i = 0; i < n; ++i)
     N_VGetArrayPointer(correction)[i] = moved[i] - N_VGetArrayPointer(state)[i];
   return 0;
@@ -81,7 +82,7 @@ struct CvodeIntegrator::Solver {
   bool created = false;
   Problem problem;
 
-  Solver(ModeDynamics &dynamics, const double *scale) : problem{&dynamics, scale, std::vector<double>(dynamics.size()), 0} {
+  Solver(ModeDynamics &dynamics, const double *scale) : problem{&dynamics, scale, std::vector<double>(dynamics.size())} {
     const int n = dynamics.size();
     if (SUNContext_Create(nullptr, &context) != 0)
       throw std::bad_alloc();
@@ -153,6 +154,8 @@ void CvodeIntegrator::setCareful(bool careful) {
 // A component may have more than the mean error, whose bound is 1e-12 at least.
 double CvodeIntegrator::startingError() const { return std::clamp(0.03 * carefulFactor * settings_.tolerance, 1e-11, 1e-10); }
 
+double CvodeIntegrator::correction() const { return solver_->problem.correction; }
+
 StepStatus CvodeIntegrator::step(double limit) {
   Solver &s = *solver_;
   beginTime_ = endTime_;
@@ -160,6 +163,7 @@ StepStatus CvodeIntegrator::step(double limit) {
   beginRate_ = endRate_;
   CVodeSetStopTime(s.memory, limit);
   double reached = beginTime_;
+  s.problem.correction = 0;
   int outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
   // Rounding errors of the model may be larger than the share of the tolerance: up to a tenth of it (theory.md section 6).
   while ((outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE) && 3 * s.problem.tolerance <= 0.1 * settings_.tolerance) {

@@ -18,6 +18,7 @@ public:
   void interpolate(double time, double *state) override;
   void setCareful(bool careful) override;
   [[nodiscard]] double startingError() const override;
+  [[nodiscard]] double correction() const override;
   [[nodiscard]] bool startsToRounding() const override { return false; }
   [[nodiscard]] double suggestedStep() const override { return next_; }
 

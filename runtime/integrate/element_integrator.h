@@ -29,6 +29,7 @@ public:
   [[nodiscard]] double suggestedStep() const override {
     return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 || dynamics_.hasTurningSlips() ? next_ : 0;
   }
+  [[nodiscard]] double correction() const override { return dynamics_.correction(); }
   // The rate of a state so near is as good for the next step, but where friction turns with the slip, faster and faster as that ends.
   [[nodiscard]] double negligibleCorrection() const override {
     return settings_.fixedStep > 0 || dynamics_.hasTurningSlips() ? 1e-13 : 0.1 * settings_.tolerance;

@@ -260,6 +260,7 @@ bool ModeDynamics::solveSliding() {
 
 bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
   isProjected_ = false;
+  correction_ = 0;
   // What fails there is found and named here.
   if (isSmall_ && evaluateSmall(time, state, rate))
     return true;
@@ -276,10 +277,11 @@ bool ModeDynamics::evaluateProjected(double time, double *state, double *rate, c
   // Newton's method with rows of nearby: what it leaves of the velocities is the product of the correction and of the change of the rows,
   // which is small too.
   constexpr double converged = 1e-9;
-  const bool good = projection_.project(state, scale, nothingStops_.data()) <= converged;
+  const double correction = projection_.project(state, scale, nothingStops_.data());
   if (!evaluate(time, state, rate))
     return false;
-  isProjected_ = good;
+  correction_ = correction;
+  isProjected_ = correction <= converged;
   std::copy_n(state, projected_.size(), projected_.begin());
   return true;
 }

@@ -125,6 +125,8 @@ public:
   // As `evaluate`, at the projection of a state near the last evaluation's point at the same time, with the rows of that point; where this
   // costs more than it saves, at the state itself.
   bool evaluateProjected(double time, double *state, double *rate, const double *scale);
+  // What the last evaluation has corrected its state by, relative to its scale.
+  [[nodiscard]] double correction() const { return correction_; }
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
   // `slow`: slips of one body stop together.
   double projectStop(double *state, const double *scale, int stopped, double slow);
@@ -197,6 +199,7 @@ private:
   bool hasRows_ = false;     // D is that of the last evaluation too
   bool isComplete_ = false;  // and forces_
   bool metNegativeFriction_ = false;
+  double correction_ = 0;
   bool isProjected_ = false;  // projected_ is the point of the last evaluation, and its own projection
   SlipDirections slips_;
   Projection projection_;

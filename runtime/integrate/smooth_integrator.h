@@ -67,6 +67,8 @@ public:
   // The caller may project the end of a step; it then tells the rate there, where the correction is not negligible.
   [[nodiscard]] double *end() { return end_.data(); }
   [[nodiscard]] double *endRate() { return endRate_.data(); }
+  // What the step has projected its end by already, relative to the scale.
+  [[nodiscard]] virtual double correction() const = 0;
   [[nodiscard]] virtual double negligibleCorrection() const { return 1e-13; }
   [[nodiscard]] const IntegratorStatistics &statistics() const { return statistics_; }
   virtual void resetStatistics() { statistics_ = {}; }

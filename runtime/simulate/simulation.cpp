@@ -215,35 +215,6 @@ tf_status Simulation::Implementation::settleStart() {
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 
-// Where a coefficient of friction falls below zero inside the integrator's step, the run ends there.
-tf_status Simulation::Implementation::checkFriction() {
-  constexpr int samples = 16, bisections = 50;
-  dynamics_.forgetNegativeFriction();
-  SmoothIntegrator &integrator = integrators_.current();
-  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
-  const auto negativeAt = [&](double time) {
-    integrator.interpolate(time, interpolated_.data());
-    at_.setPoint(time, interpolated_.data());
-    return failures_.negativeFriction(&mode_);
-  };
-  int found = 1;
-  while (found <= samples && negativeAt(begin + length * found / samples).empty())
-    ++found;
-  if (found > samples)
-    return dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()) ? TF_OK : failEvaluation();
-  double low = begin + length * (found - 1) / samples, high = begin + length * found / samples;
-  for (int k = 0; k < bisections; ++k)
-    (negativeAt(0.5 * (low + high)).empty() ? low : high) = 0.5 * (low + high);
-  const std::string text = negativeAt(high);
-  if (integrator.shorten(high)) {
-    if (energy_)
-      energy_->addStep(integrator);
-    time_ = high;
-    std::copy_n(integrator.end(), n_, state_.begin());
-  }
-  return failAt(text);
-}
-
 // A gap that opens at the start takes a longer time to close than starts are apart, of the order of its root: there is no derivative.
 tf_status Simulation::Implementation::checkStartDerivatives() {
   constexpr double opens = 1e-6;
@@ -322,27 +293,6 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
   return failAt(fmt::format("the integrator cannot meet tolerance {:.3g}", owner_.options.tolerance));
 }
 
-// The end of the integrator's step onto what the mode holds at zero. A correction by the rows of the last evaluation leaves its product
-// with the way from there, so that large ones take several. After one that is not negligible the dynamics is evaluated at the end. False:
-// it cannot be.
-bool Simulation::Implementation::projectEnd() {
-  constexpr int mostPasses = 8;
-  constexpr double rounding = 1e-14;
-  SmoothIntegrator &integrator = integrators_.current();
-  double way = 0, left = 1;
-  for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
-    const double correction = dynamics_.project(integrator.end(), integrator.settings().scale.data());
-    way += correction;
-    left = correction * way;
-    if (correction > integrator.negligibleCorrection()) {
-      if (!dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
-        return false;
-      way = 0;
-    }
-  }
-  return true;
-}
-
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
@@ -358,8 +308,8 @@ tf_status Simulation::Implementation::step(double limit) {
     return failStep(status);
   integrators_.countStep(statistics_);
   SmoothIntegrator &integrator = integrators_.current();
-  if (!projectEnd())
-    return failEvaluation();
+  if (const tf_status projected = projectEnd(); projected != TF_OK)
+    return projected;
   const DetectedEvent event = detection_.detect();
   if (event.guard >= 0)
     return handle(event, limit);

@@ -268,8 +268,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   SmoothIntegrator &integrator = integrators_.current();
   if (stops)
     dynamics_.projectStop(integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
-  else if (!projectEnd())
-    return failEvaluation();
+  else if (const tf_status status = projectEnd(); status != TF_OK)
+    return status;
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   // Other least-norm forces of redundant contacts: the same motion, no event.

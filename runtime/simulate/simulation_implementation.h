@@ -1,4 +1,5 @@
-// The state of a simulation and its parts; simulation.cpp has the way through time, simulation_events.cpp what happens at events.
+// The state of a simulation and its parts; simulation.cpp has the way through time, simulation_steps.cpp the ends of its steps,
+// simulation_events.cpp what happens at events.
 #pragma once
 
 #include "runtime/simulate/constrained_start.h"
@@ -100,14 +101,18 @@ private:
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();
-  tf_status checkFriction();
   void enterSegment();
   bool skipTo(double limit);
-  bool projectEnd();
   tf_status failStep(StepStatus status);
   tf_status step(double limit);
   tf_status commit();
   void observeInvariants(bool hasAllGaps);
+
+  // simulation_steps.cpp
+  tf_status projectEnd();
+  bool isSuspicious(double correction);
+  tf_status checkJump();
+  tf_status checkFriction();
 
   // simulation_events.cpp
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});

@@ -1,6 +1,8 @@
 // Gaps, slips, friction and masses that are no numbers end the run with their name and place: nothing goes on through them.
 #include "tests/accuracy/compiled_model.h"
 
+#include <algorithm>
+#include <cmath>
 #include <gtest/gtest.h>
 #include <ostream>
 #include <stdexcept>
@@ -81,6 +83,33 @@ end A;
   EXPECT_NE(message(0).find("the mass matrix is singular: no inertia acts on 'x'"), std::string::npos) << message(0);
   EXPECT_NE(message(-1).find("the inertia that acts on 'x' is -1, it cannot be negative"), std::string::npos) << message(-1);
   EXPECT_NE(message(3).find("NaN in the inertia that acts on 'x'"), std::string::npos) << message(3);
+}
+
+// A rod falls about its lower end until it lies flat, where the other end is the lower one; energy is m g a sin φ at first.
+TEST(KinkOfAClosedGap, EndsTheRun) {
+  const std::string file = sourceFile("flat_rod.tf", R"(
+model FlatRod
+  parameter Real a = 0.5, J = 0.1, start = 0.3;
+  coordinate Real y(start = a*sin(start)), phi(start = start);
+  body b(mass = 1, position = {0, y}, angle = phi, inertia = J);
+  gravity g(acceleration = {0, -9.81});
+  contact c(gap = y - a*sqrt(sin(phi)^2));
+end FlatRod;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-2, 1e-4, 1e-6, 1e-8, 1e-10}) {
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator);
+      try {
+        model.run(1);
+        ADD_FAILURE() << "no error with integrator " << integrator << ", tolerance " << tolerance;
+      } catch (const std::runtime_error &error) {
+        EXPECT_NE(std::string(error.what()).find("the derivative of the gap of contact 'c' ("), std::string::npos) << error.what();
+      }
+      // The run goes up to the last step before it.
+      EXPECT_NEAR(model["phi"], 0, 0.1);
+      EXPECT_NEAR(model.energy(), 0.5 * 9.81 * std::sin(0.3), std::max(1e-8, 10 * tolerance));
+    }
 }
 
 }  // namespace

@@ -1,0 +1,108 @@
+// The ends of an integrator's steps: projection, and what ends a run inside a step.
+#include "runtime/simulate/held_rates.h"
+#include "runtime/simulate/simulation_implementation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+// The end of the integrator's step onto what the mode holds at zero. A correction by the rows of the last evaluation leaves its product
+// with the way from there, so that large ones take several. After one that is not negligible the dynamics is evaluated at the end.
+tf_status Simulation::Implementation::projectEnd() {
+  constexpr int mostPasses = 8;
+  constexpr double rounding = 1e-14;
+  SmoothIntegrator &integrator = integrators_.current();
+  double way = 0, left = 1;
+  for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
+    const double before = integrator.correction();
+    const double correction = dynamics_.project(integrator.end(), integrator.settings().scale.data());
+    if (pass == 0 && isSuspicious(std::max(before, correction)))
+      if (const tf_status status = checkJump(); status != TF_OK)
+        return status;
+    way += correction;
+    left = correction * way;
+    if (correction > integrator.negligibleCorrection()) {
+      if (!dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
+        return failEvaluation();
+      way = 0;
+    }
+  }
+  return TF_OK;
+}
+
+// A correction of the step's end that is far larger than its error, or a large part of the step.
+bool Simulation::Implementation::isSuspicious(double correction) {
+  const SmoothIntegrator &integrator = integrators_.current();
+  const double tolerance = integrator.settings().tolerance;
+  if (!(correction > tolerance))
+    return false;
+  double motion = 0;
+  for (int k = 0; k < model_.nq; ++k)
+    motion = std::max(motion, std::abs(integrator.beginRate()[k]) / integrator.settings().scale[k]);
+  return correction > std::min(100 * tolerance, 0.01) || correction > 0.1 * motion * (integrator.endTime() - integrator.beginTime());
+}
+
+// Does a derivative of a gap, slip or constraint that the mode holds jump inside the step, and a little beyond it? Then its rate does,
+// along the first order of the motion, and the run ends there: the rows of the mode are those of one side.
+tf_status Simulation::Implementation::checkJump() {
+  constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 1.25;
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime();
+  interpolated_.assign(integrator.begin(), integrator.begin() + n_);
+  const auto rateAt = [&](double time) {
+    for (int k = 0; k < model_.nq; ++k)
+      interpolated_[k] = integrator.begin()[k] + (time - begin) * integrator.beginRate()[k];
+    return largestHeldRate(at_, mode_, time, interpolated_.data());
+  };
+  double low = begin, high = begin + beyond * (integrator.endTime() - begin), before = rateAt(low).size;
+  HeldRate after = rateAt(high);
+  const double middle = 0.5 * (before + after.size);
+  while (high - low > resolution * std::max(std::abs(high), high - begin)) {
+    const double time = 0.5 * (low + high);
+    const HeldRate rate = rateAt(time);
+    (rate.size > middle ? high : low) = time;
+    if (rate.size > middle)
+      after = rate;
+    else
+      before = rate.size;
+  }
+  at_.setPoint(integrator.endTime(), integrator.end());
+  if (after.size - before > 0.5 * after.size)
+    return fail(fmt::format("the derivative of {} jumps at t = {:.10g}", nameOf(model_, after), low));
+  return TF_OK;
+}
+
+// Where a coefficient of friction falls below zero inside the integrator's step, the run ends there.
+tf_status Simulation::Implementation::checkFriction() {
+  constexpr int samples = 16, bisections = 50;
+  dynamics_.forgetNegativeFriction();
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
+  const auto negativeAt = [&](double time) {
+    integrator.interpolate(time, interpolated_.data());
+    at_.setPoint(time, interpolated_.data());
+    return failures_.negativeFriction(&mode_);
+  };
+  int found = 1;
+  while (found <= samples && negativeAt(begin + length * found / samples).empty())
+    ++found;
+  if (found > samples)
+    return dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()) ? TF_OK : failEvaluation();
+  double low = begin + length * (found - 1) / samples, high = begin + length * found / samples;
+  for (int k = 0; k < bisections; ++k)
+    (negativeAt(0.5 * (low + high)).empty() ? low : high) = 0.5 * (low + high);
+  const std::string text = negativeAt(high);
+  if (integrator.shorten(high)) {
+    if (energy_)
+      energy_->addStep(integrator);
+    time_ = high;
+    std::copy_n(integrator.end(), n_, state_.begin());
+  }
+  return failAt(text);
+}
+
+}  // namespace tf::runtime
