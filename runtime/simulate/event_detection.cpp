@@ -262,7 +262,8 @@ void EventDetection::illinoisZero(int guard, double zero, double lowValue, doubl
     }
     // Where the guard has changed its sign.
     event.time = fx < 0 ? x : std::min(b, x + close);
-    if (interpolated && std::abs(x - last) <= close)
+    const bool rises = fx > 0 && lastValue > 0 && (fx - lastValue) * (x - last) > 0;
+    if (interpolated && std::abs(x - last) <= close && !rises)
       break;
     last = interpolated ? x : b;
     lastValue = interpolated ? fx : fb;
@@ -287,7 +288,9 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
   if (first.guard >= 0 && (low.time >= first.time || (first.time < high.time && (first.guard == guard || fallsLater(guard, first)))))
     return;
   const double zero = level(guard);
-  const double atLow = std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
+  // Guards that leave zero within rounding are at it, whatever their level.
+  const bool leavesZero = starts_[guard].armed == Arming::Not && !isForceGuard(dynamics_.guards()[guard].kind);
+  const double atLow = leavesZero ? 0 : std::max(low.value[guard] - zero, 0.0), atHigh = high.value[guard] - zero;
   DetectedEvent event{guard, high.time, low.time, high.time, 0};
   // Of a gap that starts at zero the other zero is wanted, which Newton's method finds from the right unless it is very near; where the
   // start is not followed to rounding, the gap must be known to have opened.

@@ -13,4 +13,11 @@ bool EventProgress::add(double time) {
   return ++count <= most;
 }
 
+bool SwitchProgress::add(int j, double between) {
+  constexpr int most = 100;
+  constexpr double rounding = 2e-11;
+  faint_[j] = std::abs(between) <= rounding ? faint_[j] + 1 : 0;
+  return faint_[j] <= most;
+}
+
 }  // namespace tf::runtime

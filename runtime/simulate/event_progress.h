@@ -1,5 +1,7 @@
-// Whether events leave the run any progress of physical time. Impacts that accumulate are no such case: they are carried through.
+// Whether events leave the run any progress. Impacts that accumulate are no such case: they are carried through.
 #pragma once
+
+#include <vector>
 
 namespace tf::runtime {
 
@@ -14,6 +16,19 @@ public:
   double since = 0;
   int count = 0;
   int elements = 0;
+};
+
+// Switches whose condition returns to zero for ever, ever nearer to it: the end of infinitely many switches, behind which only rounding
+// errors decide.
+class SwitchProgress {
+public:
+  void start(int switches) { faint_.assign(switches, 0); }
+  // Switch j changes, between whose last change and now its condition has had this value. False: that has been no more than rounding for
+  // long.
+  bool add(int j, double between);
+
+private:
+  std::vector<int> faint_;  // changes in a row, of each switch
 };
 
 }  // namespace tf::runtime

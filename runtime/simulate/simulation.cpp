@@ -106,6 +106,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
   progress_.start(startTime, model_.nc + model_.nf + model_.ns);
+  switchProgress_.start(model_.ns);
   rest_.reset();
   modeValid_ = false;
   mode_.closed.assign(model_.nc, 0);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -251,6 +252,7 @@ tf_status Simulation::Implementation::timeEvent() {
 }
 
 tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
+  constexpr double nearby = 1e-12;  // behind an event, in time
   if (!progress_.add(time_))
     return failWithoutProgress();
   bool stops = dynamics_.guards()[event.guard].kind == GuardKind::SlipAlong;
@@ -287,6 +289,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return failEvaluation();
   if (const tf_status status = differentiateEvent(event.guard); status != TF_OK)
     return status;
+  if (guard.kind == GuardKind::Condition)
+    crossSwitch(event.guard, nearby * std::max(1.0, std::abs(time_)));
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
 }
 
@@ -311,6 +315,34 @@ int Simulation::Implementation::switchAhead() {
   return -1;
 }
 
+// Moves the state along its rate until a switch's guard is below zero: the branch behind it may not be defined before. Returns how far, in
+// time; zero where nothing up to `farthest` does, or nothing need be moved.
+double Simulation::Implementation::crossSwitch(int guard, double farthest) {
+  constexpr double resolution = std::numeric_limits<double>::epsilon();
+  constexpr int bisections = 40;
+  const auto isBehind = [&](double ahead) {
+    for (int i = 0; i < n_; ++i)
+      interpolated_[i] = state_[i] + ahead * rate_[i];
+    at_.setPoint(time_ + ahead, interpolated_.data());
+    at_.switching(ModelEvaluation::Conditions);
+    return dynamics_.guardValue(guard) < 0;
+  };
+  if (isBehind(0))
+    return 0;
+  double low = 0, high = 0.5 * resolution * std::max(std::abs(time_), 1e-3);
+  while (!isBehind(high)) {
+    low = high;
+    high *= 2;
+    if (!(high <= farthest))
+      return 0;
+  }
+  for (int k = 0; k < bisections && low > 0; ++k)
+    (isBehind(0.5 * (low + high)) ? high : low) = 0.5 * (low + high);
+  isBehind(high);
+  std::copy_n(interpolated_.begin(), n_, state_.begin());
+  return high;
+}
+
 // Equations may end with their branch, as a square root does where a switch keeps its argument positive: no step leads over the switch
 // then. The mode ends right before it.
 tf_status Simulation::Implementation::passSwitch(int guard, double limit) {
@@ -321,6 +353,7 @@ tf_status Simulation::Implementation::passSwitch(int guard, double limit) {
   beginEvent();
   if (const tf_status status = differentiateEvent(guard); status != TF_OK)
     return status;
+  time_ += crossSwitch(guard, 2 * owner_.options.tolerance * std::max(1.0, std::abs(time_)));
   return changeMode(dynamics_.guards()[guard], -1, limit);
 }
 
@@ -353,11 +386,24 @@ tf_status Simulation::Implementation::differentiateEvent(int guard) {
   return failSensitivities(fmt::format("the impact of {}, which come one after the other nearby,", names));
 }
 
+// By the condition's value in the middle of the step that ends with the switch's change.
+bool Simulation::Implementation::switchesFaintly(int j) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double middle = 0.5 * (integrator.beginTime() + integrator.endTime());
+  integrator.interpolate(middle, interpolated_.data());
+  at_.setPoint(middle, interpolated_.data());
+  at_.switching(ModelEvaluation::Conditions);
+  return !switchProgress_.add(j, at_.condition[j]);
+}
+
 // The guard is zero at (time_, state_); `stopped` is the first tangential row of a slip of two components that has stopped, else −1.
 tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped, double limit) {
   SwitchHint hint;
   if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
+  else if (guard.kind == GuardKind::Condition && switchesFaintly(guard.index))
+    return failAt(fmt::format("no consistent continuation: '{}' {} switches without end", model_.switches[guard.index].text,
+                              sourceOf(model_.switches[guard.index].location)));
   else if (guard.kind == GuardKind::Condition)
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
   std::vector<Transition> &transitions = beginTransitions();

@@ -58,6 +58,7 @@ public:
   double suggestedStep_ = 0;
   std::uint64_t inputRevision_ = 0;
   EventProgress progress_;
+  SwitchProgress switchProgress_;
   std::string error_;
   tf_statistics statistics_ = {};
   std::vector<double> parameters_;
@@ -123,6 +124,8 @@ private:
   tf_status stopFaint(const std::vector<int> &contacts);
   tf_status stopSlow(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
+  bool switchesFaintly(int j);
+  double crossSwitch(int guard, double farthest);
   double lookAhead();
   int switchAhead();
   tf_status passSwitch(int guard, double limit);

@@ -105,21 +105,5 @@ TEST(VaryingFriction, BelowZeroEndsTheRun) {
   }
 }
 
-// Torricelli's law: the root h = (1 − t/2)² has no derivative that is continuous beyond its end.
-TEST(VaryingFriction, TankThatEmptiesStaysEmpty) {
-  const std::string file = sourceFile("tank.tf", R"(
-model Tank
-  Real h(start = 1);
-equation
-  der(h) = -sqrt(max(0, h));
-end Tank;
-)");
-  withEachIntegrator(file, 1e-8, 1, [](CompiledModel &model) {
-    EXPECT_NEAR(model["h"], 0.25, 1e-7);
-    model.advance(3);
-    EXPECT_NEAR(model["h"], 0, 1e-8);
-  });
-}
-
 }  // namespace
 }  // namespace tf::test

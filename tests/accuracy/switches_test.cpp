@@ -1,0 +1,101 @@
+// Switches of conditions: none is missed, branches that end at their switch are left in time, and what switches without end says so.
+#include "tests/accuracy/each_integrator.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace tf::test {
+namespace {
+
+// Torricelli's law: the root h = (1 − t/2)² has no derivative that is continuous beyond its end.
+TEST(BranchesThatEnd, TankThatEmptiesStaysEmpty) {
+  const std::string file = sourceFile("tank.tf", R"(
+model Tank
+  Real h(start = 1);
+equation
+  der(h) = -sqrt(max(0, h));
+end Tank;
+)");
+  withEachIntegrator(file, 1e-8, 1, [](CompiledModel &model) {
+    EXPECT_NEAR(model["h"], 0.25, 1e-7);
+    model.advance(3);
+    EXPECT_NEAR(model["h"], 0, 1e-8);
+  });
+}
+
+// The flow goes on at the speed 1 where the level crosses zero: 2 (y − ln(1 + y)) with y = sqrt|x| is the time from or to there.
+TEST(BranchesThatEnd, AreCrossedAtASpeed) {
+  const std::string file = sourceFile("turbulent.tf", R"(
+model Turbulent
+  Real x(start = 1);
+equation
+  der(x) = -1 - sqrt(abs(x));
+end Turbulent;
+)");
+  const double crossing = 2 * (1 - std::log(2.0));
+  const auto time = [](double x) { return 2 * (std::sqrt(-x) - std::log1p(std::sqrt(-x))); };
+  // The error estimate of explicit pairs is for smooth equations: of a root from its zero on it shows a fortieth.
+  withEachIntegrator(file, 1e-8, 2, [&](const CompiledModel &model) { EXPECT_NEAR(crossing + time(model["x"]), 2, 2e-6); });
+}
+
+// Hertz' force stores and returns the energy: the ball leaves as fast as it came.
+TEST(BranchesThatEnd, HertzContactReturnsTheSpeed) {
+  for (const char *force : {"max(0, x)^1.5", "(if x > 0 then x^1.5 else 0)"}) {
+    const std::string file = sourceFile("hertz.tf", std::string("model Hertz\n  coordinate Real x(start = -0.5, der(start = 1));\n"
+                                                                "  body b(mass = 1, position = x);\n  force f(value = -100*") +
+                                                        force + ", at = x);\nend Hertz;\n");
+    withEachIntegrator(file, 1e-8, 2, [](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], -1, 2e-7); });
+  }
+}
+
+// x'' = −2 sgn x − sgn x': from x' = v on x = 0 the speed falls to zero with −3, rises to v/√3 with 1 and so on.
+const char *const twisting = R"(
+model Twisting
+  coordinate Real x(der(start = 0.01));
+  body b(mass = 1, position = x);
+  force f(value = -2*sign(x) - sign(der(x)), at = x);
+end Twisting;
+)";
+
+std::vector<double> twistingTimes(double v, int count) {
+  std::vector<double> times;
+  for (double time = 0; static_cast<int>(times.size()) < count; v /= std::sqrt(3.0)) {
+    times.push_back(time += v / 3);
+    times.push_back(time += v / std::sqrt(3.0));
+  }
+  return times;
+}
+
+TEST(Switches, ThatFollowOneThatJustWasAreFound) {
+  constexpr int count = 20;
+  const std::vector<double> expected = twistingTimes(0.01, count);
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT}) {
+    CompiledModel model(sourceFile("twisting.tf", twisting));
+    model.tolerance(1e-8).integrator(integrator).run(0.5 * (expected[count - 1] + expected[count - 2]));
+    ASSERT_EQ(model.events().size(), static_cast<std::size_t>(count - 1)) << integrator;
+    for (int k = 0; k < count - 1; ++k)
+      EXPECT_NEAR(model.events()[k].time, expected[k], 1e-12) << integrator << ", event " << k;
+  }
+}
+
+TEST(Switches, WithoutEndEndTheRun) {
+  const double end = 0.01 * (1.0 / 3 + 1 / std::sqrt(3.0)) / (1 - 1 / std::sqrt(3.0));
+  for (const tf_integrator integrator : integrators) {
+    CompiledModel model(sourceFile("twisting.tf", twisting));
+    model.tolerance(1e-8).integrator(integrator);
+    try {
+      model.run(1);
+      ADD_FAILURE() << integrator;
+    } catch (const std::runtime_error &error) {
+      EXPECT_NE(std::string(error.what()).find("no consistent continuation: 'sign(x)' ("), std::string::npos) << error.what();
+    }
+    EXPECT_NEAR(model.time(), end, 1e-3);
+    EXPECT_NEAR(model["x"], 0, 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace tf::test
