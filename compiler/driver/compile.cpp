@@ -3,13 +3,14 @@
 #include "compiler/driver/code_generator.h"
 #include "compiler/driver/diagnostics.h"
 #include "compiler/driver/model_cache.h"
+#include "compiler/driver/same_file.h"
 #include "compiler/driver/source_model.h"
 #include "compiler/filippov/filippov_system.h"
 #include "lang/syntax/parser.h"
 #include "runtime/results/output_file.h"
 
+#include <algorithm>
 #include <exception>
-#include <filesystem>
 
 namespace tf::driver {
 
@@ -96,12 +97,7 @@ void writeOutput(const std::string &path, std::string_view bytes, Session &sessi
 
 // A source may not be overwritten by what is made of it.
 bool isSourceFile(const std::string &output, const CompileOptions &options) {
-  std::error_code error;
-  for (const std::string &file : options.files) {
-    if (std::filesystem::equivalent(file, output, error))
-      return true;
-  }
-  return false;
+  return std::any_of(options.files.begin(), options.files.end(), [&](const std::string &file) { return isSameFile(file, output); });
 }
 
 }  // namespace

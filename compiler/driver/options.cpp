@@ -1,5 +1,6 @@
 #include "compiler/driver/options.h"
 #include "compiler/driver/diagnostics.h"
+#include "compiler/driver/same_file.h"
 #include "compiler/driver/version.h"
 
 #include <CLI/CLI.hpp>
@@ -214,10 +215,10 @@ private:
       diagnostics.report(diag::OptionNeedsOption, {}, "--sensitivity", "without -o: derivatives are columns of the result");
     if (options.quiet && options.verbose)
       diagnostics.report(diag::OptionNeedsOption, {}, "--quiet", "together with --verbose");
-    if (!options.output.empty() && options.output == options.eventLog)
+    if (isSameFile(options.output, options.eventLog))
       diagnostics.report(diag::SameFileTwice, {}, options.output, "with -o", "with --event-log");
     for (const auto &[output, option] : {std::pair(options.output, "with -o"), std::pair(options.eventLog, "with --event-log")}) {
-      if (!output.empty() && output == options.inputTable)
+      if (isSameFile(output, options.inputTable))
         diagnostics.report(diag::SameFileTwice, {}, output, "with --input", option);
     }
   }

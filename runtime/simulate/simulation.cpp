@@ -105,6 +105,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   time_ = startTime;
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
+  lingeringSteps_ = 0;
   progress_.start(startTime, model_.nc + model_.nf + model_.ns);
   switchProgress_.start(model_.ns);
   rest_.reset();
@@ -321,6 +322,8 @@ tf_status Simulation::Implementation::step(double limit) {
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;
   dynamics_.renewDirections(time_, state_.data());
+  if (const int guard = lingeringSlip(); guard >= 0)
+    return stopLingering(guard, limit);
   if (integrators_.launchIsOver() && !takeOver(integrators_.primary(), IntegratorReason::Primary))
     return failEvaluation();
   if (SmoothIntegrator *stiff = integrators_.forStiffness(); stiff != nullptr && !takeOver(*stiff, IntegratorReason::Stiffness))

@@ -561,6 +561,42 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
 }
 
+// The error of a velocity over a run may be this large.
+double Simulation::Implementation::lingeringSpeed() { return 10 * integrators_.current().settings().tolerance * velocityScale(); }
+
+// The guard of a slip of two components that for many steps has not been faster than the errors that the tolerance allows, −1: none. The
+// direction of one so slow is no more than an error, and steps of implicit methods have solutions in which it neither stops nor starts.
+int Simulation::Implementation::lingeringSlip() {
+  constexpr int most = 200;
+  if (!dynamics_.hasTurningSlips())
+    return -1;
+  const double slow = lingeringSpeed();
+  const std::vector<Guard> &guards = dynamics_.guards();
+  int found = -1;
+  for (std::size_t k = 0; k < guards.size() && found < 0; ++k)
+    if (guards[k].kind == GuardKind::SlipAlong && dynamics_.slipSpeed(static_cast<int>(k)) <= slow)
+      found = static_cast<int>(k);
+  lingeringSteps_ = found >= 0 ? lingeringSteps_ + 1 : 0;
+  return lingeringSteps_ > most ? found : -1;
+}
+
+// It becomes zero: what follows is a stick, or a slip that starts from zero.
+tf_status Simulation::Implementation::stopLingering(int guard, double limit) {
+  lingeringSteps_ = 0;
+  if (!progress_.add(time_))
+    return failWithoutProgress();
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  dynamics_.projectStop(state_.data(), integrators_.current().settings().scale.data(), guard, lingeringSpeed());
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  beginEvent();
+  if (const tf_status status = differentiateEvent(guard); status != TF_OK)
+    return status;
+  const Guard stopped = dynamics_.guards()[guard];
+  return changeMode(stopped, dynamics_.slipRow(guard), limit);
+}
+
 // The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.
 tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();

@@ -59,6 +59,7 @@ public:
   std::uint64_t inputRevision_ = 0;
   EventProgress progress_;
   SwitchProgress switchProgress_;
+  int lingeringSteps_ = 0;  // in a row, whose ends have slips of two components that the tolerance does not see
   std::string error_;
   tf_statistics statistics_ = {};
   std::vector<double> parameters_;
@@ -136,6 +137,9 @@ private:
   double stopTolerance();
   double velocityScale();
   bool locateStop(DetectedEvent &event);
+  double lingeringSpeed();
+  int lingeringSlip();
+  tf_status stopLingering(int guard, double limit);
   tf_status followTurn(const DetectedEvent &event);
   tf_status approach(const DetectedEvent &event);
   tf_status endStep(double next);

@@ -1,6 +1,6 @@
 // A plate on feet with Coulomb friction slides and spins, and both end at one time (Goyal, Ruina, Papadopoulos, Wear 143, 1991), against an
 // integration of its own that takes steps in proportion to the speed that is left.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/each_integrator.h"
 
 #include <algorithm>
 #include <array>
@@ -99,6 +99,32 @@ std::vector<Case> cases() {
 }
 
 INSTANTIATE_TEST_SUITE_P(Tolerances, SlidingPlate, testing::ValuesIn(cases()));
+
+// A pull that turns and is larger than friction for an instant only: the slip is about as slow as errors are.
+TEST(BriefSlip, EndsWithAnyTolerance) {
+  const std::string file = sourceFile("brief_slip.tf", R"(
+model BriefSlip
+  parameter Real c = 2.4;
+  coordinate Real p[3];
+  body b(mass = 1, position = p);
+  force f(value = {2.899, c*sin(time), -9.372}, at = p);
+  contact k(gap = p[3], slip = der(p[1:2]), friction = 0.4);
+end BriefSlip;
+)");
+  for (const double c : {2.395, 2.4, 2.405, 2.41}) {
+    SCOPED_TRACE(c);
+    CompiledModel reference(file, {{"c", c}});
+    reference.tolerance(1e-11).run(3);
+    for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9})
+      withEachIntegrator(file, tolerance, 3,
+                         [&](const CompiledModel &model) {
+                           EXPECT_EQ(model.count(TF_EVENT_STICK), 1);
+                           EXPECT_NEAR(model["p[1]"], reference["p[1]"], 10 * tolerance);
+                           EXPECT_NEAR(model["p[2]"], reference["p[2]"], 10 * tolerance);
+                         },
+                         {{"c", c}});
+  }
+}
 
 }  // namespace
 }  // namespace tf::test
