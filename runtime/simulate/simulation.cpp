@@ -128,8 +128,24 @@ tf_status Simulation::Implementation::initialise(double startTime) {
     values_.setEnergyBalance(energy_.get());
   }
   dynamics_.setSlipAccuracy(0.05 * owner_.options.tolerance);
-  integrators_.prepare(owner_.options);
+  integrators_.prepare(stepOptions());
   return settleStart();
+}
+
+// Errors of slips must be small against the disks of relaxed ones, whatever the tolerance is. The evaluation's point is the start.
+SimulationOptions Simulation::Implementation::stepOptions() {
+  constexpr double part = 0.01;
+  SimulationOptions options = owner_.options;
+  const auto limit = [&](const auto &element) {
+    if (element.friction_form == TF_FRICTION_RELAXED)
+      options.tolerance =
+          std::min(options.tolerance, part * relaxedSlipRadius(at_.slip.data() + element.tangent_first + TF_RELAXED_STEADY_ROW));
+  };
+  at_.setPoint(time_, state_.data());
+  at_.switchingOfAll(ModelEvaluation::Slips);
+  std::for_each_n(model_.contacts, model_.nc, limit);
+  std::for_each_n(model_.frictions, model_.nf, limit);
+  return options;
 }
 
 tf_status Simulation::Implementation::takeStarts() {
@@ -406,11 +422,20 @@ void Simulation::Implementation::save(void *buffer) {
       std::memcpy(out, data, bytes);
     out += bytes;
   });
-  // The saved point is where both continuations begin anew.
   rest_.read(more.impacts.data());
+  if (modeValid_)
+    beginAnew();
+}
+
+// The saved point is where both continuations do.
+bool Simulation::Implementation::beginAnew() {
   at_.screen().forget();
-  if (modeValid_ && dynamics_.start(mode_, time_, state_.data(), rate_.data()))
-    startMode();
+  lingeringSteps_ = 0;
+  switchProgress_.start(model_.ns);
+  if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))
+    return false;
+  startMode();
+  return true;
 }
 
 void Simulation::Implementation::restore(const void *buffer) {
@@ -426,10 +451,7 @@ void Simulation::Implementation::restore(const void *buffer) {
   rest_.read(more.impacts.data());
   error_.clear();
   enterSegment();
-  at_.screen().forget();
-  modeValid_ = dynamics_.start(mode_, time_, state_.data(), rate_.data());
-  if (modeValid_)
-    startMode();
+  modeValid_ = beginAnew();
 }
 
 const tf_statistics &Simulation::Implementation::statistics() {

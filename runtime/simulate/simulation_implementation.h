@@ -92,6 +92,8 @@ private:
   tf_status failAt(std::string_view text);
   tf_status failSensitivities(std::string_view where);
   tf_status failEvaluation();
+  bool beginAnew();
+  SimulationOptions stepOptions();
   tf_status takeStarts();
   tf_status solveStart();
   tf_status settleStart();

@@ -255,5 +255,25 @@ TEST(RelaxedFriction, RefusesWhatItCannotDo) {
   EXPECT_NE(sensitivity.find("but contact 'table' has .Relaxed"), std::string::npos) << sensitivity;
 }
 
+// The default radius is as small as the default tolerance: the slip is held in its disk all the same.
+TEST(RelaxedFriction, SmallDisksAreFollowedAtAnyTolerance) {
+  const std::string file = sourceFile("relaxed_brief_slip.tf", R"(
+model BriefSlip
+  coordinate Real p[3];
+  body b(mass = 1, position = p);
+  force f(value = {2.899, 2.5*sin(time), -9.372}, at = p);
+  contact k(gap = p[3], slip = der(p[1:2]), friction = 0.4, frictionForm = FrictionForm.Relaxed);
+end BriefSlip;
+)");
+  CompiledModel reference(file);
+  reference.tolerance(1e-10).run(3);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+    CompiledModel model(file);
+    model.tolerance(tolerance).run(3);
+    EXPECT_NEAR(model["p[1]"], reference["p[1]"], 1e-6) << tolerance;
+    EXPECT_NEAR(model["p[2]"], reference["p[2]"], 1e-6) << tolerance;
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
