@@ -251,21 +251,35 @@ double ConeFrictionSolver::improve(Eigen::VectorXd &force) {
 void ConeFrictionSolver::sweep(Eigen::VectorXd &force, int count) {
   const int n = problem_.normalCount;
   Eigen::VectorXd acceleration = delassus_ * force + bias_;
-  const auto relax = [&](int row, int rows) {
-    residual(force, acceleration, false);
+  const auto give = [&](int row, int rows) {
     // λ − F = P(λ − w) off w = 0, where a step of the size of 1/D_rr takes its place.
     for (int r = row; r < row + rows; ++r) {
       const double change = -residual_[r] * (rows == 2 ? 0.5 : 1);
+      if (change == 0)
+        continue;
       force[r] += change;
       acceleration += delassus_.col(r) * change;
     }
   };
   for (int k = 0; k < count; ++k) {
-    for (int i = 0; i < n; ++i)
-      relax(i, 1);
-    for (int j = 0; j < problem_.tangentCount; ++j)
-      if (problem_.partner[j] < 0 || problem_.partner[j] > j)
-        relax(n + j, problem_.partner[j] < 0 ? 1 : 2);
+    for (int i = 0; i < n; ++i) {
+      normalResidual(i, force[i], acceleration[i], false);
+      give(i, 1);
+    }
+    for (int j = 0; j < problem_.tangentCount; ++j) {
+      const int owner = problem_.owner[j];
+      const bool pair = problem_.partner[j] >= 0 && problem_.tangentKind[j] == TangentKind::TwoSided;
+      if (pair && problem_.partner[j] < j)
+        continue;
+      // The limit is that of the normal force at this point.
+      if (owner >= 0)
+        normalResidual(owner, force[owner], acceleration[owner], false);
+      if (pair)
+        diskResidual(j, force, acceleration, false);
+      else
+        tangentResidual(j, force, acceleration, false);
+      give(n + j, pair ? 2 : 1);
+    }
   }
 }
 

@@ -54,6 +54,7 @@ bool ConicForces::prepare(double tolerance) {
   kernel_.setZero(count, count - rank);
   kernel_.bottomRows(count - rank).setIdentity();
   kernel_.applyOnTheLeft(factor_.householderQ());
+  kernelRows_ = kernel_.transpose();
   solve(rhs_, free_);
   scale_ = free_.lpNorm<Eigen::Infinity>();
   for (const Limit &limit : limits_)
@@ -77,7 +78,7 @@ double ConicForces::smallestSlack(const Eigen::VectorXd &x) const {
 }
 
 // Objective and barrier −Σ log(u² − ‖t‖²) − log(R² − ‖c‖²), u = slack without ‖t‖ less the common slack, with gradient and Hessian.
-// False outside the domain.
+// False outside the domain. Of the Hessian the lower triangle is set.
 bool ConicForces::barrier(Aim aim, double weight, double &value, bool derivatives) {
   const bool common = aim == Aim::CommonSlack;
   const Eigen::Index kernel = kernel_.cols(), size = kernel + (common ? 1 : 0);
@@ -99,9 +100,10 @@ bool ConicForces::barrier(Aim aim, double weight, double &value, bool derivative
       hessian_.diagonal().setConstant(1 / weight);  // the kernel's basis is orthonormal
     gradient_.head(kernel) += 2 / room * c;
     hessian_.topLeftCorner(kernel, kernel).diagonal().array() += 2 / room;
-    hessian_.topLeftCorner(kernel, kernel) += 4 / (room * room) * c * c.transpose();
+    hessian_.topLeftCorner(kernel, kernel).selfadjointView<Eigen::Lower>().rankUpdate(c, 4 / (room * room));
   }
-  Eigen::VectorXd du(size), slope(size);
+  du_.resize(size);
+  logSlope_.resize(size);
   for (const Limit &limit : limits_) {
     const double u = (limit.apex >= 0 ? limit.factor * point_[limit.apex] : 0) + limit.offset - margin;
     const double first = limit.first >= 0 ? point_[limit.first] : 0, second = limit.second >= 0 ? point_[limit.second] : 0;
@@ -112,27 +114,27 @@ bool ConicForces::barrier(Aim aim, double weight, double &value, bool derivative
     value -= line ? std::log(u) : std::log(square);
     if (!derivatives)
       continue;
-    du.setZero(size);
+    du_.setZero(size);
     if (limit.apex >= 0)
-      du.head(kernel) = limit.factor * kernel_.row(limit.apex).transpose();
+      du_.head(kernel) = limit.factor * kernelRows_.col(limit.apex);
     if (common)
-      du[kernel] = -1;
+      du_[kernel] = -1;
     if (line) {
-      gradient_ -= du / u;
-      hessian_.noalias() += du * du.transpose() / (u * u);
+      gradient_ -= du_ / u;
+      hessian_.selfadjointView<Eigen::Lower>().rankUpdate(du_, 1 / (u * u));
       continue;
     }
     // d(u² − ‖t‖²) = 2(u du − Σ t dt), second derivative 2(du duᵀ − Σ dt dtᵀ).
-    slope = 2 * u * du;
-    hessian_.noalias() -= 2 / square * du * du.transpose();
+    logSlope_ = 2 * u * du_;
+    hessian_.selfadjointView<Eigen::Lower>().rankUpdate(du_, -2 / square);
     for (const int t : {limit.first, limit.second}) {
       if (t < 0)
         continue;
-      slope.head(kernel) -= 2 * point_[t] * kernel_.row(t).transpose();
-      hessian_.topLeftCorner(kernel, kernel).noalias() += 2 / square * kernel_.row(t).transpose() * kernel_.row(t);
+      logSlope_.head(kernel) -= 2 * point_[t] * kernelRows_.col(t);
+      hessian_.topLeftCorner(kernel, kernel).selfadjointView<Eigen::Lower>().rankUpdate(kernelRows_.col(t), 2 / square);
     }
-    gradient_ -= slope / square;
-    hessian_.noalias() += slope * slope.transpose() / (square * square);
+    gradient_ -= logSlope_ / square;
+    hessian_.selfadjointView<Eigen::Lower>().rankUpdate(logSlope_, 1 / (square * square));
   }
   return true;
 }
@@ -143,7 +145,7 @@ void ConicForces::center(Aim aim, double weight) {
   for (int iteration = 0; iteration < 60; ++iteration) {
     if (!barrier(aim, weight, value, true))
       return;
-    step_ = hessian_.ldlt().solve(-gradient_);
+    step_ = hessianFactor_.compute(hessian_).solve(-gradient_);
     const double decrement = -gradient_.dot(step_);
     if (!(decrement > 1e-12) || !step_.allFinite())
       return;

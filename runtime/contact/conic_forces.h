@@ -57,12 +57,14 @@ private:
   bool newtonStep(double &change);
   bool barrier(Aim aim, double weight, double &value, bool derivatives);
 
-  Eigen::MatrixXd matrix_, kernel_;
+  Eigen::MatrixXd matrix_, kernel_, kernelRows_;  // kernelRows: the transposed kernel
   Eigen::VectorXd rhs_, free_, innermost_, least_;
   std::vector<Limit> limits_;
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor_;
   Eigen::VectorXd unknown_, step_, gradient_, point_, base_;  // unknown: coordinates in the kernel, then the common slack
   Eigen::MatrixXd hessian_;
+  Eigen::LDLT<Eigen::MatrixXd> hessianFactor_;
+  Eigen::VectorXd du_, logSlope_;  // of the slack and of the barrier of one limit
   // Of the least-norm point: ∇½‖x‖² = Σ multiplier ∇slack over the active limits, in the kernel. slope: kernel × active.
   bool isKnown_ = false;
   std::vector<int> active_;

@@ -121,6 +121,8 @@ void ModelEvaluation::switching(int parts) {
     if (!screen_.covers(time_, in_[TF_IN_Q]))
       renewScreen();
     screen_.count();
+    if (readElsewhere_)
+      return switchingOfAll(parts | Gaps);
   }
   if (switchingParts_ != parts || switchingRevision_ != screen_.revision()) {
     selectContacts(parts, screen_.awake());
@@ -142,6 +144,8 @@ void ModelEvaluation::switchingOfAll(int parts) {
   std::fill_n(switchingMask_.begin() + nc, nc + model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
   switchingMask_.back() = (parts & Conditions) != 0;
   switchingParts_ = -1;
+  if (screen_.isUsed() && (parts & Gaps) != 0)
+    readElsewhere_ = !screen_.covers(time_, in_[TF_IN_Q]);
   switchingOfMask();
 }
 
@@ -158,11 +162,14 @@ void ModelEvaluation::selectContacts(int parts, const std::uint8_t *contacts) {
 void ModelEvaluation::renewScreen() {
   kinematics(coordinateRate_.data());
   screen_.renew(in_, coordinateRate_.data(), gap.data());
+  readElsewhere_ = false;
 }
 
 void ModelEvaluation::cover(const double *center, const double *radius, const double *coordinateRate) {
-  if (!screen_.covers(center, radius))
-    screen_.renew(in_, coordinateRate, gap.data(), center, radius);
+  if (screen_.covers(center, radius))
+    return;
+  screen_.renew(in_, coordinateRate, gap.data(), center, radius);
+  readElsewhere_ = false;
 }
 
 void ModelEvaluation::switchingOf(int contact) {

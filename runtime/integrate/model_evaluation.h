@@ -116,6 +116,7 @@ private:
   // What the mask selects: whole parts, those of the contacts that are awake at this revision of the screen; −1: some contacts.
   int switchingParts_ = 0;
   long long switchingRevision_ = -1;
+  bool readElsewhere_ = false;  // the gaps of contacts that are asleep are those at a point outside the box
   GapScreen screen_;
   std::vector<double> coordinateRate_;
 };

@@ -19,8 +19,8 @@ constexpr int firstImpacts = 3;
 constexpr double early = 0.2;
 // Without a prediction the next attempt is made after so many times the interval between the last impacts.
 constexpr double shortestWait = 2, longestWait = 1e3;
-// After a prediction of another point than the last one, which happens again and again where impacts run through many contacts, so many
-// impacts are let pass at most.
+// After a prediction of another point than the last one, or none, which happens again and again where impacts run through many contacts,
+// so many impacts are let pass at most.
 constexpr int longestPause = 15;
 constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left.
@@ -329,7 +329,6 @@ bool RestPrediction::differentiate(double time, const double *state, Sensitiviti
 
 // Predictions of another point, or of an earlier course of the motion, are dropped.
 void RestPrediction::add(Prediction prediction) {
-  passed_ = 0;
   if (!predictions_.empty()) {
     const Prediction &last = predictions_.back();
     const bool isOther = last.point.contacts != prediction.point.contacts || prediction.remaining > leastChange * last.remaining;
@@ -446,10 +445,12 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
   const double previousImpact = lastImpact_;
   if (!recordImpact(time, before))
     return nullptr;
+  passed_ = 0;
   Prediction prediction;
   if (!predict(time, state, prediction) || (sensitivities != nullptr && !differentiate(time, state, *sensitivities, prediction))) {
     forget();
     // Impacts of many contacts may go on for long without a repeating sequence, which is costly to find out.
+    pause_ = std::min(2 * pause_ + 1, longestPause);
     wait_ = std::min(2 * wait_, longestWait);
     nextAttempt_ = time + wait_ * (time - previousImpact);
     return nullptr;

@@ -72,8 +72,12 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   const std::vector<int> &contacts = frozenContacts_ = selection_.touching();
   const std::vector<int> &approaching = frozenApproaching_ = selection_.approaching();
   // Impacts that the tolerance of velocities does not see have no restitution: where bounces accumulate in a way that cannot be summed
-  // (slips of two components that turn with each of them), they end here.
-  const double slow = stopTolerance();
+  // (slips of two components that turn with each of them), they end here. Of several contacts with restitution each goes on shaking the
+  // others, in cascades within cascades: there the tolerance itself is the limit, as of the error of one step.
+  const bool turns = std::any_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); });
+  const bool shakes =
+      contacts.size() > 1 && std::any_of(contacts.begin(), contacts.end(), [this](int i) { return at_.restitution[i] > 0; });
+  const double slow = shakes ? std::max(integrators_.current().settings().tolerance * velocityScale(), stopTolerance()) : stopTolerance();
   std::vector<int> starters;
   if (forced >= 0) {
     starters.push_back(forced);
@@ -95,18 +99,14 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
     return failAt(impact_.text());
   if (impact_.starter() >= 0)
     transitions.push_back({TF_EVENT_PAINLEVE, impact_.starter()});
-  if (energy_)
-    energy_->addImpact(time_, incoming_.data(), state_.data(), impact_.boundaryWork());
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
-  const bool turns = std::any_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); });
-  // Of several contacts with restitution each would go on shaking the others.
-  const bool shakes =
-      contacts.size() > 1 && std::any_of(contacts.begin(), contacts.end(), [this](int i) { return at_.restitution[i] > 0; });
   const bool slowed = !impact_.isElastic() && (turns || shakes);
   const tf_status stopped = slowed ? stopSlow(contacts, slow) : turns ? TF_OK : stopFaint(contacts);
   if (stopped != TF_OK)
     return stopped;
+  if (energy_)
+    energy_->addImpact(time_, incoming_.data(), state_.data(), impact_.boundaryWork());
   for (int i : approaching)
     transitions.push_back({TF_EVENT_IMPACT, i});
   return TF_OK;

@@ -135,5 +135,28 @@ TEST(Piles, TenDiscsComeToRest) {
   EXPECT_NEAR(model["lift"], count * gravity, 1e-7);
 }
 
+// Cascades of impacts within cascades end where the tolerance sees them no longer: the number of impacts stays moderate.
+TEST(Piles, FifteenDiscsComeToRestAfterAModerateNumberOfImpacts) {
+  constexpr int count = 15;
+  constexpr double tolerance = 1e-4;
+  CompiledModel model(sourceFile("pile.tf", pileOfDiscs(count)));
+  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  model.tolerance(tolerance).initialise();
+  double energy = model.energy();
+  for (int k = 1; k <= 15; ++k) {
+    model.advance(0.2 * k);
+    EXPECT_LE(model.energy(), energy + 0.1 * tolerance) << model.time();
+    energy = model.energy();
+  }
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_GE(statistics.worst_gap, -1e-9);
+  EXPECT_GE(statistics.worst_normal_force, -1e-7 * statistics.largest_normal_force);
+  EXPECT_LT(statistics.worst_energy_error, 1e-2 * tolerance);
+  EXPECT_LT(statistics.frozen_phases, 5000);
+  EXPECT_LT(fastest(model), 1e-9);
+  EXPECT_NEAR(energy, gravity * model["height"], 1e-9);
+  EXPECT_NEAR(model["lift"], count * gravity, 1e-7);
+}
+
 }  // namespace
 }  // namespace tf::test

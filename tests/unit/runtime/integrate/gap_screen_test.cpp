@@ -1,5 +1,7 @@
 #include "runtime/integrate/gap_screen.h"
 
+#include "runtime/integrate/model_evaluation.h"
+#include "runtime/model/input_signals.h"
 #include "tests/unit/runtime/model_tables.h"
 
 #include <gtest/gtest.h>
@@ -31,6 +33,13 @@ template <int timeFactor> struct Walls {
         out[0][i] = i + 1 - in[TF_IN_Q][0] - timeFactor * in[TF_IN_TIME][0];
         out[1][i] = in[TF_IN_RADIUS][0] + timeFactor * in[TF_IN_RADIUS][1];
       }
+    };
+    tables.model().switching = [](In in, Out out, Mask mask) {
+      for (int i = 0; i < count; ++i)
+        if (selected(mask, i)) {
+          out[0][i] = i + 1 - in[TF_IN_Q][0] - timeFactor * in[TF_IN_TIME][0];
+          out[1][i] = -in[TF_IN_V][0] - timeFactor;
+        }
     };
   }
 };
@@ -124,6 +133,28 @@ TEST(GapScreen, AStepIsCoveredAsAWhole) {
   for (int i = 0; i < 8; ++i)
     EXPECT_TRUE(far.screen.isAwake(i)) << i;
   EXPECT_FALSE(far.screen.isAwake(15));
+}
+
+// All gaps may be read anywhere, as where a prediction ends: back inside the box those that sleep are open again.
+TEST(GapScreen, SleepersAreOpenAfterAllWereReadElsewhere) {
+  Walls<0> walls;
+  const tf_model &model = walls.tables.model();
+  const InputSignals inputs(model.nu);
+  ModelEvaluation at(model, inputs);
+  std::vector<double> here(at.stateSize(), 0.0), beyond = here;
+  here[0] = -1000;
+  beyond[0] = 8.5;
+  at.setPoint(0, here.data());
+  at.switching();
+  ASSERT_FALSE(at.screen().isAwake(0));
+  at.setPoint(1, beyond.data());
+  at.switchingOfAll();
+  EXPECT_LT(at.gap[0], 0);
+  at.setPoint(0, here.data());
+  at.switching(ModelEvaluation::Conditions);
+  at.switching(ModelEvaluation::Gaps);
+  for (int i = 0; i < 16; ++i)
+    EXPECT_GT(at.gap[i], 0) << i;
 }
 
 TEST(GapScreen, WhatIsNotANumberIsAwake) {
