@@ -227,6 +227,7 @@ LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double
       confineConic();
     return inside_ || commonSlack_ >= -tolerance * forceScale_ ? LeastNorm::Status::Solved : LeastNorm::Status::Empty;
   }
+  hasFar_ = false;
   loadPolyhedron(polyhedron_);
   const LeastNorm::Status status = polyhedron_.solve(tolerance * forceScale_, redundantResidual * forceScale_);
   dependent_.clear();
@@ -371,12 +372,14 @@ bool ForceSet::canLeave(const ContactProblem &problem, int k, double tolerance) 
     findInnermost();
     return cone_.slack(k, cone_.innermost()) > tolerance * forceScale_;
   }
-  loadPolyhedron(far_);
+  if (!hasFar_)
+    loadPolyhedron(far_);
   const int constraint = activeCount() + k;
-  const double distance = 1e4 * forceScale_;
+  const double distance = 1e4 * forceScale_, accepted = 1e-8 * forceScale_, contradiction = redundantResidual * forceScale_;
   for (int c = 0; c < activeCount(); ++c)
     far_.origin(c) = polyhedron_.point()[c] + distance * far_.normal(constraint)[c];
-  const LeastNorm::Status status = far_.solve(1e-8 * forceScale_, redundantResidual * forceScale_);
+  const LeastNorm::Status status = hasFar_ ? far_.solveAgain(accepted, contradiction) : far_.solve(accepted, contradiction);
+  hasFar_ = true;
   return status == LeastNorm::Status::Solved && far_.slack(constraint) > tolerance * forceScale_;
 }
 

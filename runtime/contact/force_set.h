@@ -37,7 +37,7 @@ public:
   LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance);
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
-  // After solveLeastNorm: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force scale.
+  // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force scale.
   bool canLeave(const ContactProblem &problem, int k, double tolerance);
 
   // limits()[k] is saturated by the representative: index among the active constraints, or −1.
@@ -86,6 +86,7 @@ private:
   ModeEquations equations_;
   LuFactor factor_;
   LeastNorm polyhedron_, far_;
+  bool hasFar_ = false;  // far_ has the equations of the last solveLeastNorm
   std::vector<ForceLimit> limits_;
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;

@@ -23,9 +23,10 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
   normals_.resize(variables, constraints_);
   basis_.resize(variables, variables);
   triangle_.resize(variables, variables);
-  reflections_.resize(variables, variables);
-  scale_.resize(variables);
-  cross_.resize(variables);
+  // One column more than there can be active constraints: `project` takes the next one.
+  reflections_.resize(variables, variables + 1);
+  scale_.resize(variables + 1);
+  cross_.resize(variables + 1);
   bounds_.resize(constraints_);
   origin_.assign(variables, 0.0);
   x_.resize(variables);
@@ -58,8 +59,16 @@ void LeastNorm::formBasis() {
 }
 
 double LeastNorm::project(const double *normal) {
-  formBasis();
   const int q = static_cast<int>(active_.size());
+  if (isReflected_) {
+    double *column = reflections_.column(q);
+    std::copy_n(normal, variables_, column);
+    diagonal_ = 0;
+    const bool independent =
+        reflectColumn(reflections_.data(), variables_, q, dependence, scale_.data(), cross_.data(), diagonal_);
+    std::copy_n(column, q, d_.begin());
+    return independent ? std::abs(diagonal_) : 0;
+  }
   double squares = 0;
   for (int j = 0; j < variables_; ++j) {
     d_[j] = denseDot(basis_.column(j), normal, variables_);
@@ -80,12 +89,18 @@ void LeastNorm::dualDirection() {
   }
 }
 
-// The new column of R is (d₁, ±‖d₂‖); a Householder reflection of J₂ takes d₂ there.
+// The constraint of the last `project`. The new column of R is (d₁, ±‖d₂‖); a Householder reflection of J₂ takes d₂ there.
 void LeastNorm::append(int constraint, double multiplier, double length) {
   const int q = static_cast<int>(active_.size());
-  const double diagonal = d_[q] > 0 ? -length : length;
   for (int i = 0; i < q; ++i)
     triangle_(i, q) = d_[i];
+  active_.push_back(constraint);
+  multipliers_.push_back(multiplier);
+  if (isReflected_) {
+    triangle_(q, q) = diagonal_;
+    return;
+  }
+  const double diagonal = d_[q] > 0 ? -length : length;
   triangle_(q, q) = diagonal;
   d_[q] -= diagonal;
   double squares = 0;
@@ -102,8 +117,22 @@ void LeastNorm::append(int constraint, double multiplier, double length) {
         basis_(i, j) -= z_[i] * factor;
     }
   }
-  active_.push_back(constraint);
-  multipliers_.push_back(multiplier);
+}
+
+// x += step J₂ d₂ of the last `project`.
+void LeastNorm::moveAlong(double step) {
+  const int q = static_cast<int>(active_.size());
+  if (isReflected_) {
+    std::fill(z_.begin(), z_.end(), 0.0);
+    z_[q] = step * diagonal_;
+    applyReflections(reflections_.data(), variables_, q + 1, scale_.data(), cross_.data(), z_.data());
+    for (int i = 0; i < variables_; ++i)
+      x_[i] += z_[i];
+    return;
+  }
+  for (int j = q; j < variables_; ++j)
+    for (int i = 0; i < variables_; ++i)
+      x_[i] += step * d_[j] * basis_(i, j);
 }
 
 void LeastNorm::removeAt(int k) {
@@ -159,9 +188,7 @@ LeastNorm::Status LeastNorm::addInequality(int constraint, double tolerance) {
     const double step = std::min(primalStep, dualStep);
     const int q = static_cast<int>(active_.size());
     if (independent)
-      for (int j = q; j < variables_; ++j)
-        for (int i = 0; i < variables_; ++i)
-          x_[i] += step * d_[j] * basis_(i, j);
+      moveAlong(step);
     for (int k = 0; k < q; ++k)
       multipliers_[k] -= step * r_[k];
     multiplier += step;
@@ -206,7 +233,8 @@ void LeastNorm::solveReflected() {
   multipliers_.assign(r_.begin(), r_.begin() + q);
 }
 
-LeastNorm::Status LeastNorm::solveEquations(double tolerance) {
+// The independent equations become active.
+void LeastNorm::reflectEquations() {
   active_.clear();
   dependent_ = false;
   for (int c = 0; c < equations_; ++c) {
@@ -221,12 +249,18 @@ LeastNorm::Status LeastNorm::solveEquations(double tolerance) {
     else
       dependent_ = true;
   }
-  solveReflected();
-  return contradiction() > tolerance ? Status::Contradictory : Status::Solved;
+  independent_ = active_.size();
 }
 
 LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {
-  if (solveEquations(equationTolerance) == Status::Contradictory)
+  reflectEquations();
+  return solveAgain(tolerance, equationTolerance);
+}
+
+LeastNorm::Status LeastNorm::solveAgain(double tolerance, double equationTolerance) {
+  active_.resize(independent_);
+  solveReflected();
+  if (contradiction() > equationTolerance)
     return Status::Contradictory;
   // Each addition raises the dual objective; the limit is for rounding in degenerate polyhedra, where the order of index ends cycles.
   const int limit = 20 * (constraints_ + variables_) + 100;

@@ -23,6 +23,8 @@ public:
 
   // `tolerance`: accepted violation of an inequality, `equationTolerance` of an equation that depends on others.
   Status solve(double tolerance, double equationTolerance);
+  // As well with the equations of the last `solve`, for another origin.
+  Status solveAgain(double tolerance, double equationTolerance);
   // The same active set for other data: least norm with the independent equations and active inequalities of the last `solve` as
   // equations. False where they have become dependent.
   bool solveActive();
@@ -49,9 +51,10 @@ private:
   bool reflectActive(double accepted);
   bool reflect(int k, double accepted);
   void solveReflected();
-  Status solveEquations(double tolerance);
+  void reflectEquations();
   double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖
   void append(int constraint, double multiplier, double length);
+  void moveAlong(double step);
   void removeAt(int k);
   void dualDirection();  // r = R⁻¹ d₁
   void solveTransposed(const double *c);
@@ -62,9 +65,11 @@ private:
   int variables_ = 0, equations_ = 0, constraints_ = 0;
   DenseMatrix normals_, basis_, triangle_;  // J = (J₁ J₂) orthogonal, N = J₁ R
   std::vector<double> bounds_, origin_, x_, d_, r_, z_, multipliers_;
-  // Of the last solve or solveActive: J = H_0 H_1 … (dense_kernels.h); J itself is made where it is needed.
+  // Since the last solve or solveActive: J = H_0 H_1 … (dense_kernels.h); J itself is made where a constraint is to be removed.
   DenseMatrix reflections_;
   std::vector<double> scale_, cross_;
+  double diagonal_ = 0;          // of R, of the constraint projected last
+  std::size_t independent_ = 0;  // equations
   bool isReflected_ = false;
   std::vector<int> active_, order_;
   bool dependent_ = false;

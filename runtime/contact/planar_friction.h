@@ -124,6 +124,7 @@ private:
   DenseMatrix modeMatrix_;
   std::vector<double> target_, residual_;
   Candidate trial_, best_;
+  PlanarFrictionMode returning_;  // of the active set
   int pivots_ = 0;
   Path path_ = Path::Previous;
 };

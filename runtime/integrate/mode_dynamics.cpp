@@ -26,15 +26,9 @@ bool ModeDynamics::isPrepared(const Mode &mode) const {
   return preparedRevision_ == at_.parameterRevision() && rows_.count() == 0 && sliding_.empty() && mode == mode_;
 }
 
-bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate) {
+// The rows and step variables of the mode; what they hold is not evaluated.
+void ModeDynamics::choose(const Mode &mode, double time, const double *state) {
   const tf_model &model = at_.model();
-  if (isPrepared(mode)) {
-    for (int j = 0; j < model.ns; ++j)
-      at_.stepVariable[j] = mode.switches[j] == Switch::One ? 1 : 0;
-    std::fill(at_.normalForce.begin(), at_.normalForce.end(), 0.0);
-    std::fill(at_.tangentForce.begin(), at_.tangentForce.end(), 0.0);
-    return evaluate(time, state, rate);
-  }
   preparedRevision_ = -1;
   mode_ = mode;
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
@@ -68,9 +62,6 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
   closedRate_.clear();
   for (int i : contacts)
     closedRate_.push_back(at_.rate[i]);
-  std::fill(at_.normalForce.begin(), at_.normalForce.end(), 0.0);
-  std::fill(at_.tangentForce.begin(), at_.tangentForce.end(), 0.0);
-
   sliding_.clear();
   for (int j = 0; j < model.ns; ++j) {
     slidingMask_[j] = mode.switches[j] == Switch::Sliding;
@@ -83,11 +74,27 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
   slidingMatrix_.resize(static_cast<Eigen::Index>(sliding_.size()), static_cast<Eigen::Index>(sliding_.size()));
   for (int j : sliding_)
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
-
-  starting_ = true;
   leastMargins_.clear();
   isFolded_ = isSmall_ = false;
   projection_.use(nullptr);
+}
+
+bool ModeDynamics::hold(const Mode &mode, double time, const double *state) {
+  choose(mode, time, state);
+  return prepare(time, state);
+}
+
+bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate) {
+  const tf_model &model = at_.model();
+  std::fill(at_.normalForce.begin(), at_.normalForce.end(), 0.0);
+  std::fill(at_.tangentForce.begin(), at_.tangentForce.end(), 0.0);
+  if (isPrepared(mode)) {
+    for (int j = 0; j < model.ns; ++j)
+      at_.stepVariable[j] = mode.switches[j] == Switch::One ? 1 : 0;
+    return evaluate(time, state, rate);
+  }
+  choose(mode, time, state);
+  starting_ = true;
   isComplete_ = true;
   const bool good = evaluate(time, state, rate);
   starting_ = false;

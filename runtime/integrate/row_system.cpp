@@ -7,6 +7,38 @@
 
 namespace tf::runtime {
 
+namespace {
+
+// Zeros are looked for in so many entries at once.
+constexpr int chunk = 8;
+
+bool allZero(const double *x) {
+  bool zero = true;
+  for (int k = 0; k < chunk; ++k)
+    zero &= x[k] == 0;
+  return zero;
+}
+
+int leadingZeros(const double *x, int count) {
+  int k = 0;
+  while (k + chunk <= count && allZero(x + k))
+    k += chunk;
+  while (k < count && x[k] == 0)
+    ++k;
+  return k;
+}
+
+int trailingZeros(const double *x, int count) {
+  int k = count;
+  while (k >= chunk && allZero(x + k - chunk))
+    k -= chunk;
+  while (k > 0 && x[k - 1] == 0)
+    --k;
+  return count - k;
+}
+
+}  // namespace
+
 void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem) {
   contacts_ = contacts;
   tangents_ = tangents;
@@ -16,6 +48,7 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   scaled_.resize(jacobian_.size());
   mobility_ = nullptr;  // until the rows are assembled: those of before are no more
   sum_.resize(nv_);
+  zero_.resize(nv_);
   begin_.assign(count(), 0);
   end_.assign(count(), nv_);
   contactOf_.clear();
@@ -54,12 +87,8 @@ void RowSystem::gatherRows(const ModelEvaluation &at) {
       for (int k = 0; k < nv_; ++k)
         row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
     }
-    begin_[i] = 0;
-    end_[i] = nv_;
-    while (nv_ > narrow && begin_[i] < end_[i] && row[begin_[i]] == 0)
-      ++begin_[i];
-    while (nv_ > narrow && end_[i] > begin_[i] && row[end_[i] - 1] == 0)
-      --end_[i];
+    begin_[i] = nv_ > narrow ? leadingZeros(row, nv_) : 0;
+    end_[i] = nv_ > narrow ? nv_ - trailingZeros(row + begin_[i], nv_ - begin_[i]) : nv_;
   }
 }
 
@@ -81,7 +110,8 @@ void RowSystem::halve(int i) {
   const MassMatrix &mass = mobility_->mass();
   const bool everywhere = mobility_->isConstrained();
   const int blocks = static_cast<int>(mass.blocks().size());
-  for (int k = begin_[i]; k < end_[i] && !everywhere; ++k) {
+  // All of the row's entries are in a block that is alone.
+  for (int k = begin_[i]; k < (blocks > 1 ? end_[i] : std::min(begin_[i] + 1, end_[i])) && !everywhere; ++k) {
     const int block = mass.blockOf(k);
     if (row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
       parts_[block].push_back({i, mass.isLarge(block) ? mass.blocks()[block].begin : mass.forward(block, row, half, scaled)});
@@ -100,12 +130,16 @@ void RowSystem::halvePanel(int block) {
   const std::vector<Part> &parts = parts_[block];
   Panel &panel = panels_[block];
   panel.stride = paddedToLanes(static_cast<int>(parts.size()));
-  panel.half.assign(static_cast<std::size_t>(places.end - places.begin) * panel.stride, 0.0);
+  panel.half.resize(static_cast<std::size_t>(places.end - places.begin) * panel.stride);
   panel.scaled.resize(panel.half.size());
-  for (std::size_t a = 0; a < parts.size(); ++a) {
-    const double *row = jacobian(parts[a].row);
-    for (int place = places.begin; place < places.end; ++place)
-      panel.half[(place - places.begin) * panel.stride + a] = row[mass.rowAt(place)];
+  for (int a = 0; a < panel.stride; a += panelLanes) {
+    const double *rows[panelLanes];
+    for (int lane = 0; lane < panelLanes; ++lane)
+      rows[lane] = a + lane < static_cast<int>(parts.size()) ? jacobian(parts[a + lane].row) : zero_.data();
+    double *half = panel.half.data() + a;
+    for (int place = places.begin; place < places.end; ++place, half += panel.stride)
+      for (int lane = 0; lane < panelLanes; ++lane)
+        half[lane] = rows[lane][mass.rowAt(place)];
   }
   mass.forwardPanel(block, panel.stride, panel.half.data());
   for (int place = places.begin; place < places.end; ++place) {
@@ -125,7 +159,7 @@ void RowSystem::multiplyPanel(int block, DenseMatrix &delassus) {
   multiplyPanels(panel.half.data(), panel.scaled.data(), places.end - places.begin, panel.stride, product_.data());
   for (std::size_t a = 0; a < parts.size(); ++a)
     for (std::size_t b = 0; b <= a; ++b)
-      delassus(parts[a].row, parts[b].row) += product_[a * panel.stride + b];
+      delassus(parts[b].row, parts[a].row) += product_[a * panel.stride + b];
 }
 
 void RowSystem::multiply(DenseMatrix &delassus) {
@@ -144,11 +178,11 @@ void RowSystem::multiply(DenseMatrix &delassus) {
         const int first = std::max(parts[a].first, parts[b].first);
         const std::ptrdiff_t left = static_cast<std::ptrdiff_t>(parts[a].row) * nv_ + first;
         const std::ptrdiff_t right = static_cast<std::ptrdiff_t>(parts[b].row) * nv_ + first;
-        delassus(parts[a].row, parts[b].row) += dot(half_.data() + left, scaled_.data() + right, end - first);
+        delassus(parts[b].row, parts[a].row) += dot(half_.data() + left, scaled_.data() + right, end - first);
       }
   }
   for (int j = 0; j < m; ++j)
-    for (int i = j + 1; i < m; ++i)
+    for (int i = 0; i < j; ++i)
       delassus(j, i) = delassus(i, j);
 }
 

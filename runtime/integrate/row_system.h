@@ -104,6 +104,7 @@ private:
   std::vector<int> begin_, end_;          // columns of J's rows outside which all is zero
   std::vector<Panel> panels_;             // of blocks
   std::vector<double> product_;           // of panels
+  std::vector<double> zero_;              // a row
   mutable std::vector<double> panelForce_;
   mutable std::vector<double> sum_;  // workspaces: nv
 };

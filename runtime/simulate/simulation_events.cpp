@@ -113,14 +113,15 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
 }
 
 // Onto what a mode holds at zero, whether or not it has admissible forces: settle() decides whether the contacts stay closed. Returns the
-// size of the last correction.
+// size of the last correction, infinity where the rows cannot be evaluated.
 double Simulation::Implementation::projectOnto(const Mode &mode, double time, double *state) {
   constexpr int mostPasses = 3;
   constexpr double rounding = 1e-14;
   const double *scale = integrators_.current().settings().scale.data();
   double correction = 1;
   for (int pass = 0; pass < mostPasses && correction > rounding; ++pass) {
-    dynamics_.start(mode, time, state);
+    if (!dynamics_.hold(mode, time, state))
+      return std::numeric_limits<double>::infinity();
     correction = dynamics_.project(state, scale);
   }
   return correction;
@@ -472,13 +473,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   for (int i = 0; i < model_.nc; ++i)
     impulse_[i] += point.impulse[i];
   if (sensitivities_) {
-    const double *scale = integrators_.current().settings().scale.data();
-    const auto project = [&](double time, double *state) {
-      if (!dynamics_.evaluate(time, state, rate_.data()))
-        return false;
-      dynamics_.project(state, scale);
-      return true;
-    };
+    const auto project = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
     sensitivities_->setEvent(point.derivatives.data());
     if (!sensitivities_->propagate(project, time_, state_.data()))
       return failSensitivities("infinitely many impacts");
