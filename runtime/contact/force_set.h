@@ -37,7 +37,8 @@ public:
   LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance);
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
-  // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force scale.
+  // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force
+  // scale.
   bool canLeave(const ContactProblem &problem, int k, double tolerance);
 
   // limits()[k] is saturated by the representative: index among the active constraints, or −1.

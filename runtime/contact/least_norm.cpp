@@ -64,8 +64,7 @@ double LeastNorm::project(const double *normal) {
     double *column = reflections_.column(q);
     std::copy_n(normal, variables_, column);
     diagonal_ = 0;
-    const bool independent =
-        reflectColumn(reflections_.data(), variables_, q, dependence, scale_.data(), cross_.data(), diagonal_);
+    const bool independent = reflectColumn(reflections_.data(), variables_, q, dependence, scale_.data(), cross_.data(), diagonal_);
     std::copy_n(column, q, d_.begin());
     return independent ? std::abs(diagonal_) : 0;
   }

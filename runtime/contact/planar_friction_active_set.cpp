@@ -121,8 +121,8 @@ bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start) {
   }
   for (int iteration = 0; iteration < iterationLimit; ++iteration) {
     completeMode(trial_.mode);
-    // Each mode follows from the one before: one that returns does so again and again (Brent's test: it is compared with those after 1, 2, 4,
-    // … iterations).
+    // Each mode follows from the one before: one that returns does so again and again (Brent's test: it is compared with those after 1, 2,
+    // 4, … iterations).
     if (iteration > 0 && trial_.mode == returning_)
       return false;
     if ((iteration & (iteration - 1)) == 0)

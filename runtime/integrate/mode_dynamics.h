@@ -61,8 +61,8 @@ public:
   bool start(const Mode &mode, double time, const double *state) { return start(mode, time, state, plus_.data()); }
   // As well, with dy/dt there.
   bool start(const Mode &mode, double time, const double *state, double *rate);
-  // For projections onto what a mode holds at zero, whether or not it has admissible forces: nothing else is ready, and another mode must be
-  // started. False: M or H cannot be evaluated there.
+  // For projections onto what a mode holds at zero, whether or not it has admissible forces: nothing else is ready, and another mode must
+  // be started. False: M or H cannot be evaluated there.
   bool hold(const Mode &mode, double time, const double *state);
   // dy/dt; forces, accelerations and step variables are in model() afterwards. False: see failure().
   bool evaluate(double time, const double *state, double *rate);

@@ -110,16 +110,18 @@ void RowSystem::halve(int i) {
   const MassMatrix &mass = mobility_->mass();
   const bool everywhere = mobility_->isConstrained();
   const int blocks = static_cast<int>(mass.blocks().size());
-  // All of the row's entries are in a block that is alone.
-  for (int k = begin_[i]; k < (blocks > 1 ? end_[i] : std::min(begin_[i] + 1, end_[i])) && !everywhere; ++k) {
-    const int block = mass.blockOf(k);
-    if (row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
-      parts_[block].push_back({i, mass.isLarge(block) ? mass.blocks()[block].begin : mass.forward(block, row, half, scaled)});
-  }
-  for (int block = 0; block < blocks && everywhere; ++block) {
-    mass.forward(block, row, half, scaled);
-    parts_[block].push_back({i, mass.blocks()[block].begin});
-  }
+  const auto add = [&](int block) {
+    const bool waits = mass.isLarge(block) && !everywhere;
+    const int first = waits ? 0 : mass.forward(block, row, half, scaled);
+    parts_[block].push_back({i, waits || everywhere ? mass.blocks()[block].begin : first});
+  };
+  if (everywhere || blocks == 1)
+    for (int block = 0; block < blocks; ++block)
+      add(block);
+  else
+    for (int k = begin_[i]; k < end_[i]; ++k)
+      if (const int block = mass.blockOf(k); row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
+        add(block);
   if (everywhere)
     mobility_->constrain(row, half, scaled);
 }
