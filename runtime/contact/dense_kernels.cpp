@@ -100,13 +100,61 @@ __attribute__((always_inline)) inline void reflectByTwo(const double *matrix, in
     x[i] += byV * v[i] + byW * w[i];
 }
 
+// As reflectByTwo, of reflectionWidth columns at once: the sums of one would be waited for.
+__attribute__((always_inline)) inline void reflectColumnsByTwo(const double *matrix, int rows, int k, const double *scale, double cross,
+                                                               double *columns) {
+  const double *v = matrix + static_cast<std::ptrdiff_t>(k) * rows + k + 1, *w = v + rows;
+  const int count = rows - k - 1;
+  double *x[reflectionWidth], byV[reflectionWidth], byW[reflectionWidth];
+  Lanes sumV[reflectionWidth] = {}, sumW[reflectionWidth] = {}, a, b, c;
+  for (int j = 0; j < reflectionWidth; ++j)
+    x[j] = columns + static_cast<std::ptrdiff_t>(j) * rows + k + 1;
+  int i = 0;
+  for (; i + panelLanes <= count; i += panelLanes) {
+    load(a, v + i);
+    load(b, w + i);
+    for (int j = 0; j < reflectionWidth; ++j) {
+      load(c, x[j] + i);
+      sumV[j] += a * c;
+      sumW[j] += b * c;
+    }
+  }
+  for (int j = 0; j < reflectionWidth; ++j) {
+    double alongV = v[-1] * x[j][-1], alongW = 0;
+    for (int rest = i; rest < count; ++rest) {
+      alongV += v[rest] * x[j][rest];
+      alongW += w[rest] * x[j][rest];
+    }
+    byV[j] = -scale[k] * (alongV + sumOf(sumV[j]));
+    byW[j] = -scale[k + 1] * (alongW + sumOf(sumW[j]) + byV[j] * cross);
+    x[j][-1] += byV[j] * v[-1];
+  }
+  for (i = 0; i + panelLanes <= count; i += panelLanes) {
+    load(a, v + i);
+    load(b, w + i);
+    for (int j = 0; j < reflectionWidth; ++j) {
+      load(c, x[j] + i);
+      c += byV[j] * a + byW[j] * b;
+      store(c, x[j] + i);
+    }
+  }
+  for (int j = 0; j < reflectionWidth; ++j)
+    for (int rest = i; rest < count; ++rest)
+      x[j][rest] += byV[j] * v[rest] + byW[j] * w[rest];
+}
+
 }  // namespace
 
 TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
 
-TF_WIDE bool reflectColumn(double *matrix, int rows, int j, double dependence, double *scale, double *cross, double &diagonal) {
+TF_WIDE void reflectColumns(double *matrix, int rows, int j, const double *scale, const double *cross) {
+  for (int k = 0; k + 1 < j; k += 2)
+    reflectColumnsByTwo(matrix, rows, k, scale, cross[k + 1], matrix + static_cast<std::ptrdiff_t>(j) * rows);
+}
+
+TF_WIDE bool reflectColumn(double *matrix, int rows, int j, double dependence, double *scale, double *cross, double &diagonal, int from) {
   double *x = matrix + static_cast<std::ptrdiff_t>(j) * rows;
-  int k = 0;
+  int k = from;
   for (; k + 1 < j; k += 2)
     reflectByTwo(matrix, rows, k, scale, cross[k + 1], false, x);
   if (k < j)
@@ -250,6 +298,11 @@ TF_WIDE int factoriseSemidefinite(double *matrix, int size, double dependence, i
       addOf(-entry(j, k), &entry(j, k), &entry(j, j), size - j);
   }
   return size;
+}
+
+TF_WIDE void backwardRows(const double *factor, const std::ptrdiff_t *start, const int *first, int begin, int end, double *x) {
+  for (int i = end - 1; i > begin; --i)
+    addOf(-x[i], factor + start[i] + first[i], x + first[i], i - first[i]);
 }
 
 TF_WIDE void eliminateColumns(double *matrix, int size, int k) {

@@ -18,8 +18,12 @@ constexpr int panelLanes = 8;
 // Householder's QR decomposition of a matrix with so many rows, column-major, column after column: the first j columns hold v_k, from row k
 // on, of the reflections H_k = I − scale_k v_k v_kᵀ, scale_k = 2/‖v_k‖², and R above. Column j becomes H_{j−1} … H_0 times itself and then,
 // from row j on, v_j; R_jj in `diagonal`, and cross_j = v_{j−1}ᵀ v_j for odd j: reflections are applied in pairs. False, with no v_j and
-// R_jj made, where the column's part outside the span of those before is not longer than `dependence`.
-bool reflectColumn(double *matrix, int rows, int j, double dependence, double *scale, double *cross, double &diagonal);
+// R_jj made, where the column's part outside the span of those before is not longer than `dependence`. H_0 … H_{from−1} have been applied
+// to the column already, `from` even.
+bool reflectColumn(double *matrix, int rows, int j, double dependence, double *scale, double *cross, double &diagonal, int from = 0);
+// The reflectionWidth columns from j on, j even, become H_{j−1} … H_0 times themselves.
+constexpr int reflectionWidth = 4;
+void reflectColumns(double *matrix, int rows, int j, const double *scale, const double *cross);
 // x [rows] ← H_0 … H_{columns−1} x
 void applyReflections(const double *matrix, int rows, int columns, const double *scale, const double *cross, double *x);
 
@@ -29,6 +33,9 @@ void multiplyPanels(const double *z, const double *s, int depth, int stride, dou
 // Rows i of Z, begin ≤ i < end, less Σ L_ik row k, first[i] ≤ k < i, one after the other; L_ik at factor + start[i] + k. Z begins with row
 // `begin`.
 void forwardPanel(const double *factor, const std::ptrdiff_t *start, const int *first, int begin, int end, int stride, double *z);
+
+// x ← L⁻ᵀ x for rows begin ≤ i < end of a unit lower triangular matrix, stored as for forwardPanel.
+void backwardRows(const double *factor, const std::ptrdiff_t *start, const int *first, int begin, int end, double *x);
 
 // M = L Δ Lᵀ of the lower triangle of a size × size matrix with rows `stride` (a multiple of panelLanes) apart: L below the diagonal, 1/Δ
 // in `inverse`, what is right of the diagonal is overwritten. `work`: 4 × stride. Returns the first row whose pivot is not above `singular`

@@ -202,17 +202,24 @@ LeastNorm::Status LeastNorm::addInequality(int constraint, double tolerance) {
 // The least-norm point of the active constraints as equations. False where one depends on others.
 bool LeastNorm::reflectActive(double accepted) {
   const int q = static_cast<int>(active_.size());
-  for (int k = 0; k < q; ++k) {
-    std::copy_n(normals_.column(active_[k]), variables_, reflections_.column(k));
-    if (!reflect(k, accepted))
-      return false;
+  for (int begin = 0; begin < q; begin += reflectionWidth) {
+    const int end = std::min(begin + reflectionWidth, q);
+    for (int k = begin; k < end; ++k)
+      std::copy_n(normals_.column(active_[k]), variables_, reflections_.column(k));
+    const bool isPanel = end == begin + reflectionWidth;
+    if (isPanel)
+      reflectColumns(reflections_.data(), variables_, begin, scale_.data(), cross_.data());
+    for (int k = begin; k < end; ++k)
+      if (!reflect(k, accepted, isPanel ? begin : 0))
+        return false;
   }
   return true;
 }
 
-// The normal in column k of reflections_ becomes column k of R; false where it depends on those before.
-bool LeastNorm::reflect(int k, double accepted) {
-  if (!reflectColumn(reflections_.data(), variables_, k, accepted, scale_.data(), cross_.data(), triangle_(k, k)))
+// The normal in column k of reflections_, to which the first `from` reflections have been applied, becomes column k of R; false where it
+// depends on those before.
+bool LeastNorm::reflect(int k, double accepted, int from) {
+  if (!reflectColumn(reflections_.data(), variables_, k, accepted, scale_.data(), cross_.data(), triangle_(k, k), from))
     return false;
   std::copy_n(reflections_.column(k), k, triangle_.column(k));
   return true;
@@ -243,7 +250,7 @@ void LeastNorm::reflectEquations() {
       break;
     }
     std::copy_n(normals_.column(c), variables_, reflections_.column(q));
-    if (reflect(q, dependence))
+    if (reflect(q, dependence, 0))
       active_.push_back(c);
     else
       dependent_ = true;

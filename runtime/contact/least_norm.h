@@ -49,7 +49,7 @@ public:
 private:
   void formBasis();
   bool reflectActive(double accepted);
-  bool reflect(int k, double accepted);
+  bool reflect(int k, double accepted, int from);
   void solveReflected();
   void reflectEquations();
   double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖

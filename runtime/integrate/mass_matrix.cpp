@@ -275,14 +275,6 @@ void MassMatrix::forwardEnvelope(const Block &block, int from, double *x) const 
   }
 }
 
-void MassMatrix::backwardEnvelope(const Block &block, double *x) const {
-  for (int i = block.end - 1; i > block.begin; --i) {
-    const double *row = rowOf(i);
-    for (int k = first_[i]; k < i; ++k)
-      x[k] -= row[k] * x[i];
-  }
-}
-
 void MassMatrix::forwardPanel(int number, int stride, double *panel) const {
   const Block &block = blocks_[number];
   tf::runtime::forwardPanel(factor_.data(), start_.data(), first_.data(), block.begin, block.end, stride, panel);
@@ -333,7 +325,7 @@ void MassMatrix::backward(double *y) const {
   for (const Block &block : blocks_) {
     const int n = block.end - block.begin;
     if (n > fixedSize)
-      backwardEnvelope(block, y);
+      backwardRows(factor_.data(), start_.data(), first_.data(), block.begin, block.end, y);
     else
       withSize(n, [&](auto size) { backwardFixed<size()>(rowOf(block.begin) + block.begin, y + block.begin); });
   }

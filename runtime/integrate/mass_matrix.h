@@ -54,7 +54,6 @@ private:
   bool factoriseEnvelope(const Block &block, const double *mass);
   bool factoriseFull(std::size_t number, const double *mass);
   void forwardEnvelope(const Block &block, int from, double *x) const;
-  void backwardEnvelope(const Block &block, double *x) const;
   void backward(double *y) const;
   [[nodiscard]] bool hasDiagonalFactor() const;
   [[nodiscard]] double *rowOf(int place) { return factor_.data() + start_[place]; }

@@ -77,6 +77,23 @@ TEST(DenseKernels, MultipliesPanels) {
   }
 }
 
+TEST(DenseKernels, ReflectsSeveralColumnsAsOneByOne) {
+  for (int rows = 8; rows <= 40; ++rows) {
+    Eigen::MatrixXd single = Eigen::MatrixXd::Random(rows, 8), together = single;
+    Eigen::VectorXd diagonal(8), scale(8), cross(8), other(8);
+    for (int c = 0; c < 8; ++c)
+      ASSERT_TRUE(reflectColumn(single.data(), rows, c, 1e-12, scale.data(), cross.data(), diagonal[c]));
+    for (int c = 0; c < 8; ++c) {
+      const int from = c / reflectionWidth * reflectionWidth;
+      if (c == from)
+        reflectColumns(together.data(), rows, c, scale.data(), cross.data());
+      ASSERT_TRUE(reflectColumn(together.data(), rows, c, 1e-12, scale.data(), cross.data(), other[c], from));
+    }
+    EXPECT_EQ(single, together) << rows;
+    EXPECT_EQ(diagonal, other) << rows;
+  }
+}
+
 TEST(DenseKernels, ReflectsColumnsOntoATriangle) {
   for (int rows = 1; rows <= 30; ++rows) {
     const int columns = (rows + 1) / 2;
