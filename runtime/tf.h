@@ -80,6 +80,9 @@ typedef struct tf_statistics {
   /* With tf_set_energy_balance: length of the steps inside which the motion could not be evaluated everywhere, so that work and loss by
    * friction are estimated from the rest of them. */
   double estimated_energy_time;
+  /* Of the explicit steps and of their time: the part of the stabilised method, which follows damping that is stiff. */
+  long long stabilised_steps;
+  double stabilised_time;
 } tf_statistics;
 
 typedef struct tf_simulation tf_simulation;

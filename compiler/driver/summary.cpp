@@ -69,6 +69,9 @@ std::string integrators(const tf_statistics &s, const std::vector<RunNote> &note
                             steps, steps == 1 ? "" : "s");
   };
   add("explicit", s.explicit_time, s.explicit_steps);
+  if (s.stabilised_steps > 0)
+    shares +=
+        fmt::format(" ({} of them and {:.3g} % of the time stabilised)", s.stabilised_steps, all > 0 ? 100 * s.stabilised_time / all : 0);
   add("step", s.step_time, s.step_steps);
   add("cvode", s.cvode_time, s.cvode_steps);
   std::string text = shares.empty() ? "" : "  integrators: " + shares + "\n";

@@ -6,7 +6,7 @@
 
 namespace tf::runtime {
 
-class DormandPrince final : public ExplicitMethod {
+class DormandPrince : public ExplicitMethod {
 public:
   explicit DormandPrince(int size);
 

@@ -35,6 +35,7 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
 void ElementIntegrator::resetStatistics() {
   statistics_ = {};
   method_->jacobians = method_->iterations = 0;
+  method_->forget();
 }
 
 // Hairer, Wanner II, IV.2: fifteen steps at the border of stability, fewer than six in a row inside it.
@@ -115,6 +116,7 @@ StepStatus ElementIntegrator::step(double limit) {
     next_ = initialStep(limit);
   const double accuracy = stepAccuracy();
   for (bool rejected = false;; rejected = true) {
+    next_ = method_->adjustStep(next_, dynamics_, beginTime_, begin_.data(), beginRate_.data(), scale_.data());
     const bool last = next_ >= span * (1 - 1e-12);
     // No tiny remainder before the limit.
     const double h = last ? span : !fixed && next_ > 0.5 * span && next_ < 0.999 * span ? 0.5 * span : next_;
@@ -132,6 +134,7 @@ StepStatus ElementIntegrator::step(double limit) {
     const double error = fixed ? 0 : method_->errorNorm(scale_.data(), settings_.tolerance);
     if (!(error <= 1) && !fixed) {
       ++statistics_.rejected;
+      method_->reject(scale_.data());
       next_ = h * std::clamp(0.9 * std::pow(error, -1 / method_->errorOrder()), 0.1, 0.9);
       if (!std::isfinite(error))
         next_ = 0.1 * h;
@@ -146,6 +149,7 @@ StepStatus ElementIntegrator::step(double limit) {
     error_ = error;
     ++statistics_.steps;
     watchStability();
+    method_->finish();
     adopt(last ? limit : beginTime_ + h);
     return StepStatus::Done;
   }

@@ -25,6 +25,7 @@ public:
   }
   [[nodiscard]] bool samplesInside() const override { return method_->interiorStages() >= 2; }
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
+  [[nodiscard]] bool isStabilised() const override { return method_->isStabilised(); }
   // None where the error of the step does not tell; infinity where there was none, so that any step will do while the accelerations stay.
   [[nodiscard]] double suggestedStep() const override {
     return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 || dynamics_.hasTurningSlips() ? next_ : 0;

@@ -27,6 +27,16 @@ public:
   virtual void interpolate(double theta, double *y) const = 0;
   // The last element becomes the past that starting values are taken from.
   virtual void accept() {}
+  // What it has learnt from the steps of a run: another one begins.
+  virtual void forget() {}
+  // The length of the next element from (t0, y0) with the rate f0, where one of h is wanted: at most h.
+  virtual double adjustStep(double h, ModeDynamics & /*dynamics*/, double /*t0*/, const double * /*y0*/, const double * /*f0*/,
+                            const double * /*scale*/) {
+    return h;
+  }
+  // The last element's error was too large; or the element is a step.
+  virtual void reject(const double * /*scale*/) {}
+  virtual void finish() {}
 
   // max_i |error_i| / (tolerance scale_i): at most 1 is acceptable; it grows with h to the power errorOrder().
   [[nodiscard]] virtual double errorNorm(const double *scale, double tolerance) const = 0;
@@ -37,6 +47,8 @@ public:
   // h times an estimate of the largest eigenvalue of the Jacobian, relative to the border of the stability region: above 1 the step is
   // limited by stability. 0 of methods that have no such limit.
   [[nodiscard]] virtual double stabilityRatio() const { return 0; }
+  // The last element was that of a method for stiff damping.
+  [[nodiscard]] virtual bool isStabilised() const { return false; }
 
   [[nodiscard]] double *end() { return end_.data(); }
   [[nodiscard]] double *endRate() { return endRate_.data(); }

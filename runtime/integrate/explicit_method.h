@@ -13,10 +13,10 @@ namespace tf::runtime {
 
 class ExplicitMethod : public ElementMethod {
 public:
-  void restart() final {}
-  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const final { return largestError(scale) / tolerance; }
+  void restart() override {}
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return largestError(scale) / tolerance; }
   // Hairer, Wanner II, IV.2: two evaluations at the end of the step, whose states differ by the local error.
-  [[nodiscard]] double stabilityRatio() const final;
+  [[nodiscard]] double stabilityRatio() const override;
 
 protected:
   // `stageCount`: those of the step, of which the last one is at its end; `storedCount`: all that are kept, the rate at the end and those

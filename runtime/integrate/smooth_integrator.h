@@ -57,6 +57,8 @@ public:
   [[nodiscard]] virtual bool startsToRounding() const { return true; }
   // Stability, not accuracy, limits the steps of this mode.
   [[nodiscard]] virtual bool isStiff() const { return false; }
+  // The last step was made by the stabilised explicit method.
+  [[nodiscard]] virtual bool isStabilised() const { return false; }
   // Length that the error control would take next, in the same mode; 0: it does not know, infinity: any.
   [[nodiscard]] virtual double suggestedStep() const = 0;
 

@@ -5,6 +5,7 @@
 #include "runtime/integrate/dormand_prince_8.h"
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/integrate/radau.h"
+#include "runtime/integrate/stabilised_pair.h"
 
 #include <fmt/format.h>
 
@@ -21,8 +22,10 @@ namespace {
 // slips of two components stop, their direction turns ever faster: no order is high there.
 std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
   constexpr double tight = 2e-9;
-  if (settings.fixedStep > 0 || settings.tolerance > tight || slipsTurn)
+  if (settings.fixedStep > 0)
     return std::make_unique<DormandPrince>(size);
+  if (settings.tolerance > tight || slipsTurn)
+    return std::make_unique<StabilisedPair>(size);
   return std::make_unique<DormandPrince8>(size);
 }
 
@@ -130,6 +133,8 @@ Integrators::Kind Integrators::currentKind() const {
 void Integrators::countStep(tf_statistics &statistics) const {
   ++statistics.steps;
   ++*std::array{&statistics.explicit_steps, &statistics.step_steps, &statistics.cvode_steps}[static_cast<std::size_t>(currentKind())];
+  if (current_->isStabilised())
+    ++statistics.stabilised_steps;
 }
 
 std::string Integrators::account(double duration, tf_statistics &statistics) {
@@ -139,6 +144,8 @@ std::string Integrators::account(double duration, tf_statistics &statistics) {
   const Kind kind = currentKind();
   const auto index = static_cast<std::size_t>(kind);
   *std::array{&statistics.explicit_time, &statistics.step_time, &statistics.cvode_time}[index] += duration;
+  if (current_->isStabilised())
+    statistics.stabilised_time += duration;
   const bool changes = lastKind_ && *lastKind_ != kind;
   lastKind_ = kind;
   if (!changes)

@@ -1,0 +1,108 @@
+#include "runtime/integrate/rock4.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+namespace {
+
+constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+Rock4::Rock4(int size)
+    : ElementMethod(size), tableau_(nullptr), begin_(size), beginRate_(size), before_(size), last_(size), next_(size),
+      stages_(static_cast<std::size_t>(size) * Rock4Tableau::lastStages), point_(size) {}
+
+bool Rock4::evaluate(ModeDynamics &dynamics, double time, const double *change, double *rate) {
+  for (int i = 0; i < n_; ++i)
+    point_[i] = begin_[i] + change[i];
+  return dynamics.evaluate(time, point_.data(), rate);
+}
+
+bool Rock4::solveRecurrence(ModeDynamics &dynamics, double t0) {
+  const Rock4Tableau &t = *tableau_;
+  for (int i = 0; i < n_; ++i) {
+    before_[i] = 0;
+    last_[i] = h_ * t.mu[0] * beginRate_[i];
+  }
+  lastRate_ = beginRate_;
+  for (std::size_t j = 1; j < t.mu.size(); ++j) {
+    if (!evaluate(dynamics, t0 + h_ * t.node[j - 1], last_.data(), lastRate_.data()))
+      return false;
+    const double kappa = t.kappa[j], step = h_ * t.mu[j];
+    for (int i = 0; i < n_; ++i)
+      next_[i] = last_[i] + kappa * (last_[i] - before_[i]) + step * lastRate_[i];
+    std::swap(before_, last_);
+    std::swap(last_, next_);
+  }
+  return true;
+}
+
+bool Rock4::solveLast(ModeDynamics &dynamics, double t0) {
+  const Rock4Tableau &t = *tableau_;
+  for (std::size_t s = 0; s < Rock4Tableau::lastStages; ++s) {
+    for (int i = 0; i < n_; ++i) {
+      double sum = 0;
+      for (std::size_t j = 0; j < s; ++j)
+        sum += t.weights[s][j] * stages_[j * n_ + i];
+      next_[i] = last_[i] + h_ * sum;
+    }
+    if (!evaluate(dynamics, t0 + h_ * t.lastNode[s], next_.data(), stages_.data() + s * n_))
+      return false;
+  }
+  for (int i = 0; i < n_; ++i) {
+    double sum = 0;
+    for (std::size_t j = 0; j < Rock4Tableau::lastStages; ++j)
+      sum += t.result[j] * stages_[j * n_ + i];
+    end_[i] = begin_[i] + (last_[i] + h_ * sum);
+  }
+  return dynamics.evaluate(t0 + h_, end_.data(), endRate_.data());
+}
+
+bool Rock4::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
+                  double /*accuracy*/) {
+  const tf_model &model = dynamics.model().model();
+  nq_ = model.kinematics == nullptr ? model.nq : 0;
+  h_ = h;
+  tableau_ = &rock4TableauFor(h * radius_);
+  std::copy_n(y0, n_, begin_.begin());
+  std::copy_n(f0, n_, beginRate_.begin());
+  if (!solveRecurrence(dynamics, t0) || !solveLast(dynamics, t0))
+    return false;
+  estimateError();
+  return true;
+}
+
+void Rock4::estimateError() {
+  const auto &weights = tableau_->error;
+  for (int i = 0; i < n_; ++i) {
+    double sum = weights[0] * lastRate_[i];
+    for (std::size_t j = 0; j < Rock4Tableau::lastStages; ++j)
+      sum += weights[j + 1] * stages_[j * n_ + i];
+    error_[i] = h_ * sum;
+  }
+}
+
+// Velocities: the cubic with the accelerations of both ends, and the multiple of s²(1 − s)² that makes its integral end at the coordinate.
+void Rock4::interpolate(double theta, double *y) const {
+  const double r = 1 - theta, t2 = theta * theta, t3 = t2 * theta, t4 = t2 * t2;
+  const double cubic = t2 * (3 - 2 * theta), slope0 = theta * r * r, slope1 = -t2 * r;
+  const double cubicIntegral = t3 - t4 / 2, slope0Integral = t2 / 2 - 2 * t3 / 3 + t4 / 4, slope1Integral = t4 / 4 - t3 / 3;
+  const double bump = 30 * t2 * r * r, bumpIntegral = t3 * (10 - 15 * theta + 6 * t2);
+  for (int i = 0; i < nq_; ++i) {
+    const int v = nq_ + i;
+    const double q0 = begin_[i], q1 = end_[i], v0 = begin_[v], dv = end_[v] - v0, w0 = h_ * beginRate_[v], w1 = h_ * endRate_[v];
+    const double rest = (q1 - q0) - h_ * (v0 + dv / 2 + (w0 - w1) / 12);
+    y[i] = q0 + h_ * (v0 * theta + cubicIntegral * dv + slope0Integral * w0 + slope1Integral * w1) + bumpIntegral * rest;
+    y[v] = v0 + cubic * dv + slope0 * w0 + slope1 * w1;
+    if (std::abs(rest) > rounding * std::max(std::abs(q0), std::abs(q1)))
+      y[v] += bump * rest / h_;
+  }
+  for (int i = 2 * nq_; i < n_; ++i)
+    y[i] = begin_[i] + cubic * (end_[i] - begin_[i]) + h_ * (slope0 * beginRate_[i] + slope1 * endRate_[i]);
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,53 @@
+// The pair of Dormand and Prince, and ROCK4 for those steps that its stability would shorten: both are one-step methods, so that every step
+// may be the one's or the other's. Damping that is stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
+#pragma once
+
+#include "runtime/integrate/dormand_prince.h"
+#include "runtime/integrate/rock4.h"
+#include "runtime/integrate/spectral_radius.h"
+
+namespace tf::runtime {
+
+class StabilisedPair final : public DormandPrince {
+public:
+  explicit StabilisedPair(int size);
+
+  void forget() override;
+  void restart() override {
+    isNewMode_ = true;
+    adjustedSteps_ = 0;
+  }
+  double adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) override;
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
+             double accuracy) override;
+  void reject(const double *scale) override;
+  void finish() override;
+  void interpolate(double theta, double *y) const override;
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
+  [[nodiscard]] double errorOrder() const override;
+  [[nodiscard]] int interiorStages() const override;
+  [[nodiscard]] double stabilityRatio() const override;
+  [[nodiscard]] bool isStabilised() const override { return isRock_; }
+
+private:
+  [[nodiscard]] bool needsEstimate(double h) const;
+  void judge();
+
+  Rock4 rock_;
+  SpectralRadius radius_;
+  bool isKnown_ = false;        // damping has been found stiff, and radius_ is what it was last
+  bool isDamped_ = false;       // and is so in this mode
+  bool mayRock_ = false;        // in the next step
+  bool isRock_ = false;         // the last step was ROCK4's
+  double h_ = 0;                // of the last step
+  int borderSteps_ = 0;         // of the pair, less those that were not at its border
+  int patience_;                // so many of them tell that damping is stiff
+  int pause_, pauseLeft_;       // steps of the pair after one of ROCK4 that was not worth its evaluations
+  int wasted_ = 0;              // evaluations of rejected steps
+  int stepsSinceEstimate_ = 0;  // of ROCK4
+  bool isNewMode_ = true;       // since the estimate
+  bool isAdjusted_ = false;     // the step is shorter than wanted, or ROCK4's
+  int adjustedSteps_ = 0;       // such ones in this mode
+};
+
+}  // namespace tf::runtime

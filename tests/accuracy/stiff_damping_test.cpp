@@ -1,0 +1,141 @@
+// Masses in a row that dampers (and springs) join, falling on a soft spring that takes hold of the first one: linear on both sides of the
+// switch, so that the matrix exponential is the reference, and stiff between events that come often.
+#include "tests/accuracy/each_integrator.h"
+
+#include <Eigen/Dense>
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <string>
+
+namespace tf::test {
+namespace {
+
+constexpr int count = 6;
+
+struct Links {
+  double damping, stiffness;
+};
+
+std::string source(const Links &links) {
+  return "model Row\n  parameter Integer n = " + std::to_string(count) + ";\n  parameter Real d = " + std::to_string(links.damping) +
+         ";\n  parameter Real k = " + std::to_string(links.stiffness) + R"(;
+  coordinate Real u[n](start = {0.1 + 0.01*i*i for i in 1:n});
+  body mass[n](each mass = 1, position = u);
+  gravity weight(acceleration = -9.81);
+  force link[n - 1](value = -d*(der(u[2:n]) - der(u[1:n - 1])) - k*(u[2:n] - u[1:n - 1]), at = u[2:n] - u[1:n - 1]);
+  force ground(value = if u[1] < 0 then -4000*u[1] else 0, at = u[1]);
+end Row;
+)";
+}
+
+// exp(A t) by squaring.
+Eigen::MatrixXd exponential(const Eigen::MatrixXd &matrix, double time) {
+  const int squarings =
+      std::max(0, static_cast<int>(std::ceil(std::log2(matrix.cwiseAbs().rowwise().sum().maxCoeff() * time + 1e-30))) + 4);
+  const Eigen::MatrixXd part = matrix * std::ldexp(time, -squarings);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Identity(matrix.rows(), matrix.cols()), term = result;
+  for (int k = 1; k < 14; ++k) {
+    term = term * part / k;
+    result += term;
+  }
+  for (int k = 0; k < squarings; ++k)
+    result = (result * result).eval();
+  return result;
+}
+
+// State (u, v, 1) at `end`: from event to event, whose times are found by bisection between samples.
+Eigen::VectorXd reference(const Links &links, double end, int &events) {
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * count + 1, 2 * count + 1);
+  system.block(0, count, count, count).setIdentity();
+  for (int i = 0; i + 1 < count; ++i)
+    for (const auto &[column, value] : {std::pair{0, links.stiffness}, std::pair{count, links.damping}}) {
+      system.block<2, 2>(count + i, column + i) += value * (Eigen::Matrix2d() << -1, 1, 1, -1).finished();
+    }
+  system.block(count, 2 * count, count, 1).setConstant(-9.81);
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(2 * count + 1);
+  for (int i = 0; i < count; ++i)
+    state[i] = 0.1 + 0.01 * (i + 1) * (i + 1);
+  state[2 * count] = 1;
+  constexpr double sample = 1e-3;
+  bool pressed = false;
+  double time = 0;
+  events = 0;
+  while (true) {
+    system(count, 0) = -links.stiffness - (pressed ? 4000 : 0);
+    const auto crosses = [&](const Eigen::VectorXd &at) { return pressed ? at[0] > 0 : at[0] < 0; };
+    const Eigen::MatrixXd step = exponential(system, sample);
+    Eigen::VectorXd next = step * state;
+    while (!crosses(next) && time + sample < end) {
+      state = next;
+      time += sample;
+      next = step * state;
+    }
+    double low = 0, high = std::min(sample, end - time);
+    if (!crosses(exponential(system, high) * state))
+      return exponential(system, high) * state;
+    for (int k = 0; k < 60; ++k) {
+      const double middle = 0.5 * (low + high);
+      (crosses(exponential(system, middle) * state) ? high : low) = middle;
+    }
+    state = exponential(system, high) * state;
+    state[0] = 0;
+    time += high;
+    pressed = !pressed;
+    ++events;
+  }
+}
+
+// The largest error of coordinates and velocities after two seconds, in units of the tolerance, and who ran.
+double errorOf(const Links &links, double tolerance, tf_integrator integrator, tf_statistics &statistics) {
+  constexpr double end = 2;
+  int events = 0;
+  const Eigen::VectorXd expected = reference(links, end, events);
+  EXPECT_GE(events, 4);
+  CompiledModel model(sourceFile("row_" + std::to_string(links.damping) + "_" + std::to_string(links.stiffness) + ".tf", source(links)));
+  model.tolerance(tolerance).integrator(integrator).run(end);
+  const std::vector<double> u = model.valuesOf(TF_KIND_COORDINATE), v = model.valuesOf(TF_KIND_VELOCITY);
+  double worst = 0;
+  for (int i = 0; i < count; ++i) {
+    worst = std::max(worst, std::abs(u[static_cast<std::size_t>(i)] - expected[i]) / std::max(1.0, std::abs(expected[i])));
+    worst = std::max(worst, std::abs(v[static_cast<std::size_t>(i)] - expected[count + i]) / std::max(1.0, std::abs(expected[count + i])));
+  }
+  statistics = *tf_get_statistics(model.simulation());
+  return worst / tolerance;
+}
+
+constexpr double tolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+
+// Eigenvalues down to −7 500/s, all real: the stabilised method covers most of the time, and CVODE none of it.
+TEST(StiffDamping, IsFollowedByTheStabilisedMethod) {
+  for (const double tolerance : tolerances)
+    for (const tf_integrator integrator : {TF_AUTO, TF_EXPLICIT}) {
+      tf_statistics statistics{};
+      EXPECT_LE(errorOf({2000, 0}, tolerance, integrator, statistics), 10) << tolerance;
+      EXPECT_EQ(statistics.cvode_steps, 0) << tolerance;
+      if (tolerance >= 1e-6)
+        EXPECT_GT(statistics.stabilised_time, 1) << tolerance;
+    }
+}
+
+// Springs beside: damping prevails (real eigenvalues) or is moderate (pairs near the axis, of up to 27 degrees).
+TEST(StiffDamping, WithSpringsBesideKeepsTheTolerance) {
+  for (const Links &links : {Links{2000, 1e4}, Links{2000, 1e6}, Links{500, 3e5}})
+    for (const double tolerance : tolerances) {
+      tf_statistics statistics{};
+      EXPECT_LE(errorOf(links, tolerance, TF_AUTO, statistics), 10) << links.damping << ", " << links.stiffness << ", " << tolerance;
+    }
+}
+
+// Stiff springs with little damping, whose eigenvalues are near the imaginary axis.
+TEST(StiffSprings, AreNotForTheStabilisedMethod) {
+  for (const Links &links : {Links{1, 1e6}, Links{50, 1e6}, Links{0, 1e5}})
+    for (const double tolerance : {1e-4, 1e-6}) {
+      tf_statistics statistics{};
+      EXPECT_LE(errorOf(links, tolerance, TF_AUTO, statistics), 10) << links.damping << ", " << links.stiffness << ", " << tolerance;
+      EXPECT_LT(statistics.stabilised_time, 0.02) << links.damping << ", " << links.stiffness << ", " << tolerance;
+    }
+}
+
+}  // namespace
+}  // namespace tf::test
