@@ -71,7 +71,7 @@ bool StabilisedPair::needsEstimate(double h) const {
 
 bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                            double accuracy) {
-  h_ = h;
+  length_ = h;
   isRock_ = mayRock_ && h * radius_.bound() > pairBorder;
   if (!isRock_)
     return DormandPrince::solve(dynamics, t0, y0, f0, h, scale, accuracy);
@@ -107,7 +107,7 @@ void StabilisedPair::finish() {
 
 // Time per evaluation against that of the pair at its border. Where accuracy limits the steps, order 5 is better.
 void StabilisedPair::judge() {
-  const double own = h_ * radius_.bound() / (rock_.interiorStages() + 1 + wasted_);
+  const double own = length_ * radius_.bound() / (rock_.interiorStages() + 1 + wasted_);
   if (own >= pairBorder / pairStages) {
     pause_ = leastPause;
     patience_ = leastPatience;

@@ -39,7 +39,7 @@ private:
   bool isDamped_ = false;       // and is so in this mode
   bool mayRock_ = false;        // in the next step
   bool isRock_ = false;         // the last step was ROCK4's
-  double h_ = 0;                // of the last step
+  double length_ = 0;           // of the last step
   int borderSteps_ = 0;         // of the pair, less those that were not at its border
   int patience_;                // so many of them tell that damping is stiff
   int pause_, pauseLeft_;       // steps of the pair after one of ROCK4 that was not worth its evaluations

@@ -112,7 +112,7 @@ TEST_F(RunCommand, TellsMoreIfVerbose) {
 TEST_F(RunCommand, TellsWhichIntegratorTookOver) {
   writeFile(folder.path() / "stiff.tf", "model Stiff\n  coordinate Real x(start = 1), y(start = 1);\n  body a(mass = 1, position = x);\n"
                                         "  body b(mass = 1, position = y);\n  force soft(value = -x, at = x);\n"
-                                        "  force stiff(value = -1e4*der(y) - 1e4*(y - x), at = y);\nend Stiff;\n");
+                                        "  force stiff(value = -1e6*der(y) - 1e6*(y - x), at = y);\nend Stiff;\n");
   const ProcessResult result = runTfc({"run", "stiff.tf", "--stop-time", "10", "--verbose", "--event-log", "log.csv"}, folder.path());
   EXPECT_THAT(result.err, HasSubstr(" % of the time in "));
   EXPECT_THAT(result.err, HasSubstr(" on cvode: stiff\n"));
