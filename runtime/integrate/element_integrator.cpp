@@ -35,7 +35,6 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
 void ElementIntegrator::resetStatistics() {
   statistics_ = {};
   method_->jacobians = method_->iterations = 0;
-  method_->forget();
 }
 
 // Hairer, Wanner II, IV.2: fifteen steps at the border of stability, fewer than six in a row inside it.

@@ -36,6 +36,7 @@ public:
     return settings_.fixedStep > 0 || dynamics_.hasTurningSlips() ? 1e-13 : 0.1 * settings_.tolerance;
   }
   void resetStatistics() override;
+  void forget() override { method_->forget(); }
 
 private:
   // An error of the step, relative to the tolerance: the motion is a polynomial that the method has no error of but rounding.

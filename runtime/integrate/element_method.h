@@ -27,7 +27,7 @@ public:
   virtual void interpolate(double theta, double *y) const = 0;
   // The last element becomes the past that starting values are taken from.
   virtual void accept() {}
-  // What it has learnt from the steps of a run: another one begins.
+  // What it has learnt from the steps of a run and would make use of in other modes.
   virtual void forget() {}
   // The length of the next element from (t0, y0) with the rate f0, where one of h is wanted: at most h.
   virtual double adjustStep(double h, ModeDynamics & /*dynamics*/, double /*t0*/, const double * /*y0*/, const double * /*f0*/,

@@ -74,6 +74,8 @@ public:
   [[nodiscard]] virtual double negligibleCorrection() const { return 1e-13; }
   [[nodiscard]] const IntegratorStatistics &statistics() const { return statistics_; }
   virtual void resetStatistics() { statistics_ = {}; }
+  // What it has learnt from the steps of a run and would make use of in other modes.
+  virtual void forget() {}
   [[nodiscard]] const IntegratorSettings &settings() const { return settings_; }
 
 protected:

@@ -60,8 +60,15 @@ void Integrators::prepare(const SimulationOptions &options) {
   for (SmoothIntegrator *integrator : {primary_.get(), launch_.get(), bounces_.get()})
     if (integrator != nullptr)
       integrator->resetStatistics();
+  forget();
   use(*primary_, IntegratorReason::Primary);
   lastKind_.reset();
+}
+
+void Integrators::forget() {
+  for (SmoothIntegrator *integrator : {primary_.get(), launch_.get(), bounces_.get()})
+    if (integrator != nullptr)
+      integrator->forget();
 }
 
 void Integrators::make(const SimulationOptions &options) {

@@ -26,6 +26,8 @@ public:
 
   // For a new run with these options; the primary one is the current one.
   void prepare(const SimulationOptions &options);
+  // What they have learnt from the steps before.
+  void forget();
   [[nodiscard]] SmoothIntegrator &current() { return *current_; }
   void use(SmoothIntegrator &integrator, IntegratorReason reason) {
     current_ = &integrator;

@@ -430,6 +430,7 @@ void Simulation::Implementation::save(void *buffer) {
 // The saved point is where both continuations do.
 bool Simulation::Implementation::beginAnew() {
   at_.screen().forget();
+  integrators_.forget();
   lingeringSteps_ = 0;
   switchProgress_.start(model_.ns);
   if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))

@@ -119,6 +119,22 @@ TEST(StiffDamping, IsFollowedByTheStabilisedMethod) {
     }
 }
 
+// What is known of the damping at a saved state is not part of it.
+TEST(StiffDamping, IsTheSameAfterASavedState) {
+  const std::string file = sourceFile("row_saved.tf", source({2000, 0}));
+  CompiledModel first(file), second(file);
+  first.tolerance(1e-4).initialise();
+  second.tolerance(1e-4).initialise();
+  first.advance(1);
+  std::vector<unsigned char> saved(tf_state_size(first.simulation()));
+  ASSERT_EQ(tf_save_state(first.simulation(), saved.data(), saved.size()), TF_OK);
+  ASSERT_EQ(tf_restore_state(second.simulation(), saved.data(), saved.size()), TF_OK);
+  first.advance(2);
+  second.advance(2);
+  EXPECT_GT(tf_get_statistics(second.simulation())->stabilised_steps, 0);
+  EXPECT_EQ(first.valuesOf(TF_KIND_VELOCITY), second.valuesOf(TF_KIND_VELOCITY));
+}
+
 // Springs beside: damping prevails (real eigenvalues) or is moderate (pairs near the axis, of up to 27 degrees).
 TEST(StiffDamping, WithSpringsBesideKeepsTheTolerance) {
   for (const Links &links : {Links{2000, 1e4}, Links{2000, 1e6}, Links{500, 3e5}})
