@@ -250,7 +250,6 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
   readForces();
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, guess_.data());
-  worstViolation_ = std::max(worstViolation_, solution.violation);
   if (solution.status == ContactStatus::Inconsistent) {
     forced_ = rows_.contacts()[solution.forced];
     return Trial::FrictionalImpulse;
@@ -259,6 +258,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
     text_ = fmt::format("the contact problem has no solution that could be found (largest violation {:.2e})", solution.violation);
     return Trial::Failed;
   }
+  worstViolation_ = std::max(worstViolation_, solution.violation);
   redundant_ = solution.redundant;
   indeterminate_ = solution.status == ContactStatus::Indeterminate;
   forced_ = indeterminate_ && solution.forced >= 0 ? rows_.contacts()[solution.forced] : -1;

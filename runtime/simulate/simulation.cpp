@@ -135,17 +135,17 @@ tf_status Simulation::Implementation::initialise(double startTime) {
 // Errors of slips must be small against the disks of relaxed ones, whatever the tolerance is. The evaluation's point is the start.
 SimulationOptions Simulation::Implementation::stepOptions() {
   constexpr double part = 0.01;
-  SimulationOptions options = owner_.options;
+  SimulationOptions tightened = owner_.options;
   const auto limit = [&](const auto &element) {
     if (element.friction_form == TF_FRICTION_RELAXED)
-      options.tolerance =
-          std::min(options.tolerance, part * relaxedSlipRadius(at_.slip.data() + element.tangent_first + TF_RELAXED_STEADY_ROW));
+      tightened.tolerance =
+          std::min(tightened.tolerance, part * relaxedSlipRadius(at_.slip.data() + element.tangent_first + TF_RELAXED_STEADY_ROW));
   };
   at_.setPoint(time_, state_.data());
   at_.switchingOfAll(ModelEvaluation::Slips);
   std::for_each_n(model_.contacts, model_.nc, limit);
   std::for_each_n(model_.frictions, model_.nf, limit);
-  return options;
+  return tightened;
 }
 
 tf_status Simulation::Implementation::takeStarts() {
