@@ -20,11 +20,13 @@ namespace {
 
 // Order 8 pays where the tolerance is tight; elsewhere its steps, of twelve evaluations, are too long for the pieces between events. Where
 // slips of two components stop, their direction turns ever faster: no order is high there.
-std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
+// Sensitivities are integrated along its steps by a method that does not damp what is stiff, so that these must not be long for it.
+std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn, bool hasSensitivities) {
   constexpr double tight = 2e-9;
-  if (settings.fixedStep > 0)
+  const bool isLoose = settings.tolerance > tight || slipsTurn;
+  if (settings.fixedStep > 0 || (isLoose && hasSensitivities))
     return std::make_unique<DormandPrince>(size);
-  if (settings.tolerance > tight || slipsTurn)
+  if (isLoose)
     return std::make_unique<StabilisedPair>(size);
   return std::make_unique<DormandPrince8>(size);
 }
@@ -53,7 +55,8 @@ IntegratorSettings Integrators::settings(const SimulationOptions &options) const
 // Those of the run before serve again where nothing has changed; CVODE begins anew.
 void Integrators::prepare(const SimulationOptions &options) {
   const bool same = primary_ && options.integrator != TF_CVODE && options.integrator == options_.integrator &&
-                    options.tolerance == options_.tolerance && options.stages == options_.stages && options.fixedStep == options_.fixedStep;
+                    options.tolerance == options_.tolerance && options.stages == options_.stages &&
+                    options.fixedStep == options_.fixedStep && options.sensitivities.empty() == options_.sensitivities.empty();
   if (!same)
     make(options);
   fallback_.reset();
@@ -91,7 +94,7 @@ void Integrators::make(const SimulationOptions &options) {
   else if (primaryIsStep_)
     primary_ = element(std::make_unique<Radau>(n, options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3));
   else
-    primary_ = element(explicitMethod(n, settings, slipsTurn));
+    primary_ = element(explicitMethod(n, settings, slipsTurn, !options.sensitivities.empty()));
   if (wanted_ != TF_STEP && slipsTurn)
     launch_ = element(std::make_unique<Radau>(n, 4));
   if (wanted_ == TF_CVODE)
