@@ -43,6 +43,12 @@ double relaxedFrictionPower(const double *forces, const double *slips) {
   return (TF_RELAXED_STEADY * forces[0] + TF_RELAXED_EDGE * forces[1]) * (steady + std::min(edge, 0.0));
 }
 
+bool hasRelaxedSlips(const tf_model &model) {
+  const auto isRelaxed = [](const auto &element) { return element.friction_form == TF_FRICTION_RELAXED; };
+  return std::any_of(model.contacts, model.contacts + model.nc, isRelaxed) ||
+         std::any_of(model.frictions, model.frictions + model.nf, isRelaxed);
+}
+
 double relaxedSlipRadius(const double *slips) { return slips[0] / TF_RELAXED_STEADY - slips[1] / TF_RELAXED_EDGE; }
 
 }  // namespace tf::runtime

@@ -32,6 +32,9 @@ template <class Element> [[nodiscard]] bool sharesDisk(const Element &element) {
   return element.friction_form == TF_FRICTION_RELAXED || (element.friction_form == TF_FRICTION_EXACT && element.tangent_count == 2);
 }
 
+// A contact or friction element has relaxed friction.
+[[nodiscard]] bool hasRelaxedSlips(const tf_model &model);
+
 // Power of the friction of a relaxed slip on it, from the forces and the slips of its steady and its edge row, at place 0 and 1.
 [[nodiscard]] double relaxedFrictionPower(const double *forces, const double *slips);
 

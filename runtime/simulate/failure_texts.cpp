@@ -46,6 +46,8 @@ std::string FailureTexts::contactParameters() {
 }
 
 std::string FailureTexts::slipRadii() {
+  if (!hasRelaxedSlips(model_))
+    return {};
   at_.switchingOfAll(ModelEvaluation::Slips);
   std::string text;
   for (int i = 0; i < model_.nc && text.empty(); ++i)

@@ -136,6 +136,8 @@ tf_status Simulation::Implementation::initialise(double startTime) {
 SimulationOptions Simulation::Implementation::stepOptions() {
   constexpr double part = 0.01;
   SimulationOptions tightened = owner_.options;
+  if (!hasRelaxedSlips(model_))
+    return tightened;
   const auto limit = [&](const auto &element) {
     if (element.friction_form == TF_FRICTION_RELAXED)
       tightened.tolerance =

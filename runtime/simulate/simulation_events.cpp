@@ -290,6 +290,9 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return failEvaluation();
   if (const tf_status status = differentiateEvent(event.guard); status != TF_OK)
     return status;
+  if (guard.kind == GuardKind::Condition && switchesFaintly(guard.index))
+    return failAt(fmt::format("no consistent continuation: '{}' {} switches without end", model_.switches[guard.index].text,
+                              sourceOf(model_.switches[guard.index].location)));
   if (guard.kind == GuardKind::Condition)
     crossSwitch(event.guard, nearby * std::max(1.0, std::abs(time_)));
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
@@ -402,9 +405,6 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
   SwitchHint hint;
   if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
-  else if (guard.kind == GuardKind::Condition && switchesFaintly(guard.index))
-    return failAt(fmt::format("no consistent continuation: '{}' {} switches without end", model_.switches[guard.index].text,
-                              sourceOf(model_.switches[guard.index].location)));
   else if (guard.kind == GuardKind::Condition)
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
   std::vector<Transition> &transitions = beginTransitions();
@@ -625,8 +625,8 @@ tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
 
 // The step that has been shortened ends without an event; `next` is a first guess of the length of the next one.
 tf_status Simulation::Implementation::endStep(double next) {
-  SmoothIntegrator &integrator = integrators_.current();
-  dynamics_.project(integrator.end(), integrator.settings().scale.data());
+  if (const tf_status status = projectEnd(); status != TF_OK)
+    return status;
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   suggestedStep_ = next;

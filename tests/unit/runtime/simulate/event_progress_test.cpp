@@ -41,5 +41,23 @@ TEST(EventProgress, ABurstOfEventsAtOneTimeGoesOn) {
       ASSERT_TRUE(progress.add(burst)) << burst;
 }
 
+TEST(SwitchProgress, GivesUpWhereASwitchNeverLeavesRounding) {
+  SwitchProgress progress;
+  progress.start(2);
+  int count = 0;
+  while (count < 10000 && progress.add(1, count % 2 == 0 ? 1e-12 : -1e-12))
+    ++count;
+  EXPECT_GT(count, 10);
+  EXPECT_LT(count, 1000);
+  EXPECT_TRUE(progress.add(0, 1e-12));
+}
+
+TEST(SwitchProgress, OneThatHasLeftItGoesOn) {
+  SwitchProgress progress;
+  progress.start(1);
+  for (int k = 0; k < 10000; ++k)
+    ASSERT_TRUE(progress.add(0, k % 50 == 0 ? 1e-9 : 1e-12)) << k;
+}
+
 }  // namespace
 }  // namespace tf::runtime
