@@ -52,4 +52,10 @@ std::vector<double> gaussNodes() {
   return {0.5 * (1 - outer), 0.5 * (1 - inner), 0.5 * (1 + inner), 0.5 * (1 + outer)};
 }
 
+std::vector<double> dampedGaussNodes() {
+  std::vector<double> nodes = gaussNodes();
+  nodes.push_back(0.97);
+  return nodes;
+}
+
 }  // namespace tf::runtime

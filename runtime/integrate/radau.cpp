@@ -8,7 +8,7 @@
 
 namespace tf::runtime {
 
-Radau::Radau(int size, int stages)
+Radau::Radau(int size, int stages, Accuracy accuracy)
     : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), stage_(static_cast<std::size_t>(size) * stages),
       rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), jacobian_(size, size),
       newtonMatrix_(size * stages, size * stages), residual_(size * stages), factor_(size * stages), errorFactor_(size) {
@@ -24,8 +24,8 @@ Radau::Radau(int size, int stages)
   for (int i = 0; i < stages; ++i)
     embedded_.push_back(weights[i] - coefficients_[(stages - 1) * stages + i]);
   // The estimate has order s + 1, the local error 2s; relative to the scale of the solution the latter is the former to the power
-  // 2s/(s+1). Halfway between that and no correction is taken, on the safe side.
-  errorPower_ = 0.5 * (1 + 2.0 * stages / (stages + 1));
+  // 2s/(s+1). Halfway between that and no correction is taken, on the safe side. The interpolant's error is of the estimate's order.
+  errorPower_ = accuracy == Accuracy::OfEnd ? 0.5 * (1 + 2.0 * stages / (stages + 1)) : 1;
   std::vector<double> all = {0};
   all.insert(all.end(), nodes_.begin(), nodes_.end());
   for (std::size_t i = 0; i < all.size(); ++i) {

@@ -10,8 +10,11 @@ namespace tf::runtime {
 
 class Radau final : public ElementMethod {
 public:
+  // The error that is controlled: of the end, or of the interpolant inside too, whose order is s + 1 only.
+  enum class Accuracy : std::uint8_t { OfEnd, Inside };
+
   // 1 ≤ stages ≤ 4
-  Radau(int size, int stages);
+  Radau(int size, int stages, Accuracy accuracy = Accuracy::OfEnd);
 
   void restart() override;
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,

@@ -20,13 +20,11 @@ namespace {
 
 // Order 8 pays where the tolerance is tight; elsewhere its steps, of twelve evaluations, are too long for the pieces between events. Where
 // slips of two components stop, their direction turns ever faster: no order is high there.
-// Sensitivities are integrated along its steps by a method that does not damp what is stiff, so that these must not be long for it.
-std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn, bool hasSensitivities) {
+std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
   constexpr double tight = 2e-9;
-  const bool isLoose = settings.tolerance > tight || slipsTurn;
-  if (settings.fixedStep > 0 || (isLoose && hasSensitivities))
+  if (settings.fixedStep > 0)
     return std::make_unique<DormandPrince>(size);
-  if (isLoose)
+  if (settings.tolerance > tight || slipsTurn)
     return std::make_unique<StabilisedPair>(size);
   return std::make_unique<DormandPrince8>(size);
 }
@@ -84,6 +82,8 @@ void Integrators::make(const SimulationOptions &options) {
   const auto element = [&](std::unique_ptr<ElementMethod> method) {
     return std::make_unique<ElementIntegrator>(dynamics_, settings, std::move(method));
   };
+  // Sensitivities are integrated along the interpolant.
+  const Radau::Accuracy accuracy = options.sensitivities.empty() ? Radau::Accuracy::OfEnd : Radau::Accuracy::Inside;
   wanted_ = options.integrator;
   primaryIsStep_ = wanted_ == TF_STEP || (wanted_ == TF_AUTO && options.stages > 0);
   mayFallBack_ = wanted_ != TF_CVODE && options.fixedStep <= 0;
@@ -92,11 +92,11 @@ void Integrators::make(const SimulationOptions &options) {
   if (wanted_ == TF_CVODE)
     primary_ = std::make_unique<CvodeIntegrator>(dynamics_, settings);
   else if (primaryIsStep_)
-    primary_ = element(std::make_unique<Radau>(n, options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3));
+    primary_ = element(std::make_unique<Radau>(n, options.stages > 0 ? options.stages : options.tolerance < 1e-5 ? 4 : 3, accuracy));
   else
-    primary_ = element(explicitMethod(n, settings, slipsTurn, !options.sensitivities.empty()));
+    primary_ = element(explicitMethod(n, settings, slipsTurn));
   if (wanted_ != TF_STEP && slipsTurn)
-    launch_ = element(std::make_unique<Radau>(n, 4));
+    launch_ = element(std::make_unique<Radau>(n, 4, accuracy));
   if (wanted_ == TF_CVODE)
     bounces_ = element(std::make_unique<DormandPrince>(n));
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -24,26 +25,16 @@ Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instan
       parameters_(instance.parameters().begin(), instance.parameters().end()), shifted_(parameters_),
       matrix_(Eigen::MatrixXd::Zero(n_, static_cast<Eigen::Index>(columns.size()))),
       eventTime_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(columns.size()))), state_(static_cast<std::size_t>(dynamics.size())),
-      rate_(static_cast<std::size_t>(dynamics.size())), nodes_(gaussNodes()), refinement_(columns.size(), 1.0) {
+      rate_(static_cast<std::size_t>(dynamics.size())), refinement_(columns.size(), 1.0),
+      gauss_(gaussNodes(), n_, static_cast<int>(columns.size())), damped_(dampedGaussNodes(), n_, static_cast<int>(columns.size())),
+      largest_(matrix_) {
   for (std::size_t k = 0; k < columns.size(); ++k)
     columns_[k].variable = columns[k];
-  const int stages = static_cast<int>(nodes_.size());
-  weights_ = interpolatoryWeights(nodes_, integralMoments(stages, 1));
-  for (const double node : nodes_) {
-    const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, node));
-    coefficients_.insert(coefficients_.end(), row.begin(), row.end());
-  }
-  const auto full = static_cast<Eigen::Index>(dynamics.size()), rows = static_cast<Eigen::Index>(stages) * n_;
-  const auto count = static_cast<Eigen::Index>(columns.size());
-  slopes_.assign(nodes_.size(), Eigen::MatrixXd(n_, n_));
-  offsets_.assign(nodes_.size(), Eigen::MatrixXd(n_, count));
+  const auto full = static_cast<Eigen::Index>(dynamics.size());
+  slopes_.assign(damped_.nodes().size(), Eigen::MatrixXd(n_, n_));
+  offsets_.assign(damped_.nodes().size(), matrix_);
   jacobian_.resize(full, full);
-  system_.resize(rows, rows);
-  factor_ = Eigen::PartialPivLU<Eigen::MatrixXd>(rows);
-  right_.resize(rows, count);
-  increments_.resize(rows, count);
-  before_.resize(n_, count);
-  product_.resize(n_, count);
+  undamped_ = next_ = matrix_;
   still_.assign(static_cast<std::size_t>(n_), 0.0);
   point_.resize(state_.size());
 }
@@ -55,11 +46,12 @@ template <class Function> bool Sensitivities::difference(const Function &functio
     for (std::size_t k = 0; k < places.size(); ++k)
       if (weights[k] != 0 && !function(places[k] * h, samples_.data() + k * static_cast<std::size_t>(count)))
         return false;
+    // The weights add up to zero: what does not change has no rounding errors then.
     for (int i = 0; i < count; ++i) {
       derivative[i] = 0;
-      for (std::size_t k = 0; k < places.size(); ++k)
+      for (std::size_t k = 1; k < places.size(); ++k)
         if (weights[k] != 0)
-          derivative[i] += weights[k] * samples_[k * static_cast<std::size_t>(count) + static_cast<std::size_t>(i)] / h;
+          derivative[i] += weights[k] * (samples_[k * static_cast<std::size_t>(count) + static_cast<std::size_t>(i)] - samples_[i]) / h;
     }
     return true;
   };
@@ -106,6 +98,8 @@ void Sensitivities::start(double time) {
   eventTime_.setZero();
   lastEventTime_ = eventTime_;
   jump_.resize(0, 0);
+  largest_.setZero();
+  piece_ = 0;
 }
 
 void Sensitivities::shift(const Column &column, double s) {
@@ -186,10 +180,10 @@ bool Sensitivities::differenceRate(const Column &column, double time, const doub
   return isGood;
 }
 
-// A and b at the Gauss nodes of the integrator's last step.
-bool Sensitivities::sampleStep(SmoothIntegrator &integrator, double begin, double length) {
-  for (std::size_t k = 0; k < nodes_.size(); ++k) {
-    const double time = begin + nodes_[k] * length;
+// A and b at the nodes of a piece of the integrator's last step.
+bool Sensitivities::sample(SmoothIntegrator &integrator, double begin, double length) {
+  for (std::size_t k = 0; k < damped_.nodes().size(); ++k) {
+    const double time = begin + damped_.nodes()[k] * length;
     integrator.interpolate(time, state_.data());
     if (!dynamics_.evaluate(time, state_.data(), rate_.data()) || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
       return false;
@@ -200,36 +194,67 @@ bool Sensitivities::sampleStep(SmoothIntegrator &integrator, double begin, doubl
   return true;
 }
 
-bool Sensitivities::addStep(SmoothIntegrator &integrator) {
-  const int stages = static_cast<int>(nodes_.size());
-  const double begin = integrator.beginTime(), h = integrator.endTime() - begin;
-  if (!(h > 0) || columns_.empty() || n_ == 0)
-    return true;
-  if (!sampleStep(integrator, begin, h))
-    return false;
-  // Z_i − h Σ a_ij A_j Z_j = h Σ a_ij (A_j S + b_j)
-  system_.setIdentity();
-  right_.setZero();
-  for (int j = 0; j < stages; ++j) {
-    const auto node = static_cast<std::size_t>(j);
-    product_.noalias() = slopes_[node] * matrix_;
-    product_ += offsets_[node];
-    for (int i = 0; i < stages; ++i) {
-      const double a = h * coefficients_[static_cast<std::size_t>(i) * nodes_.size() + node];
-      system_.block(i * n_, j * n_, n_, n_) -= a * slopes_[node];
-      right_.middleRows(i * n_, n_) += a * product_;
+// Of the rate's differences at the last node, over a piece, for differences by one: 1e-16 of the terms that the rate is the sum of.
+Eigen::VectorXd Sensitivities::rounding(double length) const {
+  const Eigen::MatrixXd &slope = slopes_.back();
+  const Eigen::Map<const Eigen::VectorXd> state(state_.data(), n_), rate(rate_.data(), n_);
+  const Eigen::VectorXd terms = slope.cwiseAbs() * state.cwiseAbs() + rate.cwiseAbs();
+  return std::numeric_limits<double>::epsilon() * terms.cwiseQuotient((1 / length + slope.diagonal().cwiseAbs().array()).matrix());
+}
+
+// By how much the two methods differ: relative to the tolerance of what each derivative has been up to now, or of a part of what the column
+// has; not below rounding.
+double Sensitivities::pieceError(const IntegratorSettings &settings, double length) {
+  constexpr double part = 1e-3, solutionRounding = 1e-14, margin = 10;
+  const Eigen::Map<const Eigen::VectorXd> scale(settings.scale.data(), n_);
+  const Eigen::VectorXd rounded = rounding(length);
+  seen_ = largest_.cwiseMax(next_.cwiseAbs());
+  double error = 0;
+  for (Eigen::Index k = 0; k < next_.cols(); ++k) {
+    const Column &column = columns_[static_cast<std::size_t>(k)];
+    const double whole = seen_.col(k).cwiseQuotient(scale).maxCoeff();
+    const double noise = column.movesModel ? margin * scaleOf(column, still_.data()) / differenceStep : 0;
+    for (Eigen::Index i = 0; i < n_; ++i) {
+      const double allowed = settings.tolerance * std::max(seen_(i, k), part * whole * scale[i]);
+      const double resolved = noise * rounded[i] + solutionRounding * whole * scale[i];
+      if (const double difference = std::abs(next_(i, k) - undamped_(i, k)); difference > 0)
+        error = std::max(error, difference / std::max(allowed, resolved));
     }
   }
-  factor_.compute(system_);
-  increments_ = factor_.solve(right_);
-  before_ = matrix_;
-  for (int j = 0; j < stages; ++j) {
-    const auto node = static_cast<std::size_t>(j);
-    increments_.middleRows(j * n_, n_) += before_;
-    product_.noalias() = slopes_[node] * increments_.middleRows(j * n_, n_);
-    matrix_ += h * weights_[node] * (product_ + offsets_[node]);
+  return error;
+}
+
+bool Sensitivities::addStep(SmoothIntegrator &integrator) {
+  // Of oscillations both methods' errors have the same sign, and their difference is a fifth of them.
+  constexpr double likeness = 5, order = 9, smallest = 1e-8;
+  const double h = integrator.endTime() - integrator.beginTime();
+  if (!(h > 0) || columns_.empty() || n_ == 0)
+    return true;
+  const IntegratorSettings &settings = integrator.settings();
+  const bool isControlled = settings.fixedStep <= 0;
+  largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
+  for (double time = integrator.beginTime(), left = h; left > 0; left = integrator.endTime() - time) {
+    double length = isControlled && piece_ > 0 && piece_ < left ? piece_ : left;
+    while (true) {
+      if (!sample(integrator, time, length))
+        return false;
+      damped_.step(length, slopes_, offsets_, matrix_, next_);
+      if (!next_.allFinite())
+        return false;
+      if (!isControlled)
+        break;
+      gauss_.step(length, slopes_, offsets_, matrix_, undamped_);
+      const double error = likeness * pieceError(settings, length);
+      piece_ = length * std::clamp(0.9 * std::pow(error, -1 / order), 0.05, 5.0);
+      if (error <= 1 || length <= smallest * h)
+        break;
+      length = std::max(std::min(piece_, 0.9 * length), smallest * h);
+    }
+    time = length < left ? time + length : integrator.endTime();
+    std::swap(matrix_, next_);
+    largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   }
-  return matrix_.allFinite();
+  return true;
 }
 
 // How the time of the guard's zero near (time, state) with rate f⁻ moves with each column. False: the guard only touches zero.

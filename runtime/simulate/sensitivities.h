@@ -1,12 +1,14 @@
 // Forward sensitivities ∂y(t)/∂θ of a run with respect to starts, parameters and inputs, across switches and impacts.
 //
-// Within a mode S' = A S + b with the mode's Jacobian A, by Gauss collocation along the trajectory (order 8, A-stable). An event at the
-// zero of a guard h moves with θ: δt = −(h_y S + h_θ) / (dh/dt). What happens there is a map R of the state (frozen phases, the identity
-// where only the mode changes), so that (saltation; Müller 1995, Leine and Nijmeijer 2004)
+// Within a mode S' = A S + b with the mode's Jacobian A, along the trajectory: transients of S are not those of the state, so that a step
+// of the integrator is divided until collocation of order 8 that damps them (dampedGaussNodes) agrees with Gauss's, which does not. An
+// event at the zero of a guard h moves with θ: δt = −(h_y S + h_θ) / (dh/dt). What happens there is a map R of the state (frozen phases,
+// the identity where only the mode changes), so that (saltation; Müller 1995, Leine and Nijmeijer 2004)
 //     S⁺ = R_y (S⁻ + f⁻ δt) + R_t δt + R_θ − f⁺ δt.
 // Derivatives of guards, of maps and by parameters are central differences of order 4 of these functions themselves, good to about 1e-11.
 #pragma once
 
+#include "runtime/integrate/linear_collocation.h"
 #include "runtime/integrate/smooth_integrator.h"
 #include "runtime/model/model_instance.h"
 
@@ -72,7 +74,9 @@ private:
   // d/ds at s = 0 of `function`(s, values), by central differences, or one-sided ones where one side cannot be evaluated.
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
-  bool sampleStep(SmoothIntegrator &integrator, double begin, double length);
+  bool sample(SmoothIntegrator &integrator, double begin, double length);
+  [[nodiscard]] double pieceError(const IntegratorSettings &settings, double length);
+  [[nodiscard]] Eigen::VectorXd rounding(double length) const;
   [[nodiscard]] auto image(const Map &map) const;
   bool mapColumns(const Map &map, double time, const double *state);
   bool findKink(const Map &map, double time, const double *state);
@@ -96,12 +100,13 @@ private:
   Eigen::VectorXd eventTime_;                 // δt of each column
   Eigen::VectorXd lastEventTime_;             // of the event that ended last
   std::vector<double> state_, rate_, samples_;
-  std::vector<double> nodes_, weights_, coefficients_;  // of the Gauss method
-  std::vector<double> refinement_;                      // of each column's differences of a map
-  // workspaces of addStep: A and b at the nodes, the Jacobian with τ, the stages' system, its right-hand side and solution
+  std::vector<double> refinement_;  // of each column's differences of a map
+  LinearCollocation gauss_, damped_;
+  Eigen::MatrixXd largest_, seen_;  // n × columns: |S| up to now; with that of the piece
+  double piece_ = 0;                // length of the next one that its error suggests; 0: none
+  // workspaces of addStep: A and b at the nodes, the Jacobian with τ, S at the end by either method
   std::vector<Eigen::MatrixXd> slopes_, offsets_;
-  Eigen::MatrixXd jacobian_, system_, right_, increments_, before_, product_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
+  Eigen::MatrixXd jacobian_, undamped_, next_;
   std::vector<double> still_, point_;
   // of slips of two components: their values, by velocities, and the velocities that make up for a change of them
   Eigen::VectorXd slips_, slipChange_;

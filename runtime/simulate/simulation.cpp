@@ -377,7 +377,20 @@ bool Simulation::Implementation::sensitivity(int column, double *all) {
   const auto evaluate = [this](double time, double *state, double *result) {
     return values_.evaluate(time, state, impulse_.data(), at_.parameters(), result);
   };
-  return sensitivities_ && sensitivities_->differentiate(evaluate, time_, state_.data(), column, model_.variable_count, all);
+  if (!sensitivities_ || !sensitivities_->differentiate(evaluate, time_, state_.data(), column, model_.variable_count, all))
+    return false;
+  // Differences resolve small parts of the state less well than it is known itself.
+  const double *state = sensitivities_->column(column);
+  for (int k = 0; k < model_.variable_count; ++k) {
+    const tf_variable &variable = model_.variables[k];
+    if (variable.kind == TF_KIND_COORDINATE)
+      all[k] = state[variable.index];
+    else if (variable.kind == TF_KIND_VELOCITY)
+      all[k] = state[model_.nq + variable.index];
+    else if (variable.kind == TF_KIND_STATE)
+      all[k] = state[model_.nq + model_.nv + variable.index];
+  }
+  return true;
 }
 
 // The dynamics has been evaluated at (time_, state_).
