@@ -20,7 +20,8 @@ class CsvWriter : public ResultWriter {
 public:
   CsvWriter(OutputFile file, std::vector<ResultColumn> columns) : file_(std::move(file)), columns_(std::move(columns)) {}
 
-  Outcome<void> writeHeader() {
+  // An error stays with the file: the first row reports it.
+  void writeHeader() {
     line_.clear();
     for (const ResultColumn &column : columns_) {
       if (!line_.empty())
@@ -28,7 +29,7 @@ public:
       appendCsvField(line_, column.name);
     }
     line_ += lineEnd;
-    return file_.write(line_);
+    static_cast<void>(file_.write(line_));
   }
 
   Outcome<void> writeRow(std::span<const double> values) override {
@@ -165,8 +166,7 @@ Outcome<std::unique_ptr<ResultWriter>> ResultWriter::create(const std::string &p
   if (format == Format::Json)
     return std::unique_ptr<ResultWriter>(std::make_unique<JsonWriter>(std::move(file.value()), model, std::move(columns)));
   auto writer = std::make_unique<CsvWriter>(std::move(file.value()), std::move(columns));
-  if (auto header = writer->writeHeader(); !header)
-    return Failure{header.error()};
+  writer->writeHeader();
   return std::unique_ptr<ResultWriter>(std::move(writer));
 }
 

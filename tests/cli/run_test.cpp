@@ -156,10 +156,15 @@ TEST_F(RunCommand, ReportsAFullDiskAndAnUnwritablePlace) {
   EXPECT_EQ(missing.exitCode, 2);
   EXPECT_THAT(missing.err, HasSubstr("TF0821"));
   EXPECT_THAT(missing.err, HasSubstr("no/such/folder/out.csv"));
-  std::filesystem::create_symlink("/dev/full", folder.path() / "full.csv");
-  const ProcessResult full = run({"-o", "full.csv"});
-  EXPECT_NE(full.exitCode, 0);
-  EXPECT_THAT(full.err, HasSubstr("No space left"));
+  for (const char *name : {"full.csv", "full.json"}) {
+    std::filesystem::create_symlink("/dev/full", folder.path() / name);
+    for (const std::vector<std::string> &options : {std::vector<std::string>{"-o", name}, {"-o", "out.csv", "--event-log", "full.csv"}}) {
+      const ProcessResult full = run(options);
+      EXPECT_EQ(full.exitCode, 3) << name;
+      EXPECT_THAT(full.err, HasSubstr("TF0903"));
+      EXPECT_THAT(full.err, HasSubstr("No space left"));
+    }
+  }
 }
 
 TEST_F(RunCommand, StopsWhereItsResultCannotBeWrittenAnyMore) {

@@ -142,9 +142,10 @@ TEST_F(ResultFiles, RefusesUnknownSuffixesAndUnwritablePlaces) {
 TEST_F(ResultFiles, ReportsAFullDisk) {
   std::filesystem::create_symlink("/dev/full", path("full.csv"));
   std::filesystem::create_symlink("/dev/full", path("full.json"));
-  const auto csv = ResultWriter::create(path("full.csv"), test::relayModel(), columns(test::relayModel(), {0}));
-  ASSERT_FALSE(csv.ok());
-  EXPECT_EQ(csv.error(), "cannot write to '" + path("full.csv") + "': No space left on device");
+  auto csv = ResultWriter::create(path("full.csv"), test::relayModel(), columns(test::relayModel(), {0}));
+  ASSERT_TRUE(csv.ok());
+  EXPECT_EQ(csv.value()->writeRow(numbered(test::relayModel())).error(),
+            "cannot write to '" + path("full.csv") + "': No space left on device");
   auto json = ResultWriter::create(path("full.json"), test::relayModel(), columns(test::relayModel(), {0}));
   ASSERT_TRUE(json.ok());
   EXPECT_EQ(json.value()->finish().error(), "cannot write to '" + path("full.json") + "': No space left on device");
