@@ -71,7 +71,8 @@ typedef struct tf_statistics {
   double worst_residual;        /* of all contact problems at acceleration level, relative to their scale */
   double worst_impact_residual; /* of all impacts, relative to the largest velocity, at least 1 */
   /* Over outputs, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without contacts), largest residual of
-   * a constraint or of its rate, largest error of the energy balance relative to the largest energy; and where and when. */
+   * a constraint or of its rate, largest error of the energy balance relative to the largest energy, or to that which has
+   * passed through the system; and where and when. */
   double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;
   double worst_gap_time, worst_normal_force_time, worst_constraint_time, worst_energy_error_time;
   int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;

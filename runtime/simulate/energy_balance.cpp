@@ -35,7 +35,7 @@ void EnergyBalance::start(double time, const double *state) {
 
 void EnergyBalance::addStep(SmoothIntegrator &integrator) {
   const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
-  double known = 0, loss = 0, work = 0;  // weights of the points that count, and the means there
+  double known = 0, loss = 0, work = 0, passed = 0;  // weights of the points that count, and the means there
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const double time = begin + nodes[k] * length;
     integrator.interpolate(time, state_.data());
@@ -45,12 +45,15 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator) {
     const double friction = dynamics_.frictionPower();
     known += weights[k];
     loss -= weights[k] * friction;
-    work += weights[k] * (energy.power + dynamics_.reactionPower() - friction);
+    const double power = energy.power + dynamics_.reactionPower() - friction;
+    work += weights[k] * power;
+    passed += weights[k] * (std::abs(power) + std::abs(friction));
     note(energy);
   }
   if (known > 0) {
     totals_.frictionLoss += length * loss / known;
     totals_.work += length * work / known;
+    totals_.passed += length * passed / known;
   }
   if (known < 1 - smallestWeight / 2)
     totals_.estimatedTime += length;
@@ -60,6 +63,7 @@ void EnergyBalance::addImpact(double time, const double *before, const double *a
   const double change = energyAt(time, after).kinetic - energyAt(time, before).kinetic;
   totals_.work += boundaryWork;
   totals_.impactLoss += boundaryWork - change;
+  totals_.passed += std::abs(boundaryWork) + std::abs(boundaryWork - change);
 }
 
 void EnergyBalance::addImpacts(double beginTime, const double *begin, double endTime, const double *end, double boundaryWork,
@@ -68,14 +72,16 @@ void EnergyBalance::addImpacts(double beginTime, const double *begin, double end
   const double work = boundaryWork + 0.5 * (before.power + after.power) * (endTime - beginTime);
   totals_.work += work;
   totals_.frictionLoss -= frictionWork;
-  totals_.impactLoss += work + frictionWork - (after.mechanical() - before.mechanical());
+  const double loss = work + frictionWork - (after.mechanical() - before.mechanical());
+  totals_.impactLoss += loss;
+  totals_.passed += std::abs(work) + std::abs(frictionWork) + std::abs(loss);
 }
 
 double EnergyBalance::error(double time, const double *state) {
   const Energy energy = energyAt(time, state);
   note(energy);
   const double expected = totals_.start + totals_.work - totals_.frictionLoss - totals_.impactLoss;
-  return std::abs(energy.mechanical() - expected) / totals_.largest;
+  return std::abs(energy.mechanical() - expected) / std::max(totals_.largest, totals_.passed);
 }
 
 }  // namespace tf::runtime

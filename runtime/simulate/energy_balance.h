@@ -4,6 +4,7 @@
 
 #include "runtime/integrate/smooth_integrator.h"
 
+#include <cmath>
 #include <vector>
 
 namespace tf::runtime {
@@ -17,6 +18,7 @@ struct EnergyTotals {
   // Length of the steps with points at which the motion cannot be evaluated: the others stand for these, and nothing where there are none.
   double estimatedTime = 0;
   double largest = 1;  // kinetic or potential energy seen so far
+  double passed = 0;   // work that was done either way, and losses
 };
 
 class EnergyBalance {
@@ -37,7 +39,10 @@ public:
   [[nodiscard]] const EnergyTotals &totals() const { return totals_; }
   void restore(const EnergyTotals &totals) { totals_ = totals; }
   // Inputs have jumped: what that did to the potential energy.
-  void addJump(double potentialChange) { totals_.work += potentialChange; }
+  void addJump(double potentialChange) {
+    totals_.work += potentialChange;
+    totals_.passed += std::abs(potentialChange);
+  }
   // Kinetic and potential energy, power of applied forces.
   struct Energy {
     double kinetic = 0, potential = 0, power = 0;
@@ -45,7 +50,8 @@ public:
   };
   Energy energyAt(double time, const double *state);
 
-  // |kinetic + potential − start − work + losses| at (time, state), relative to the largest energy that has been seen, at least 1.
+  // |kinetic + potential − start − work + losses| at (time, state), relative to the largest energy that has been seen, at least 1,
+  // or to that which has passed through the system, whichever is more.
   double error(double time, const double *state);
 
 private:

@@ -92,5 +92,21 @@ end Hole;
   EXPECT_GT(statistics.worst_energy_error, 1e-7);
 }
 
+// Errors add up with the energy that passes through a system which never holds much.
+TEST(EnergyBalance, IsRelativeToTheEnergyThatHasPassed) {
+  CompiledModel model(sourceFile("rub.tf", R"(
+model Rub "drawn to and fro over a rough table"
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  friction table(slip = der(x), bound = 0.1);
+  force drive(value = sin(time) - x, at = x);
+end Rub;
+)"));
+  model.tolerance(1e-4);
+  tf_set_energy_balance(model.simulation(), 1);
+  model.run(1e4);
+  EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, 1e-4);
+}
+
 }  // namespace
 }  // namespace tf::test
