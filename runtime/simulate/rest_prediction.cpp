@@ -457,8 +457,12 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
   }
   wait_ = shortestWait;
   nextAttempt_ = time + (1 - nextShare) * prediction.remaining;
+  // Times are resolved to rounding, and speeds with them: those of so many impacts as are about the size of those that come add up like a
+  // random walk, and the time that is left is their number times that between two.
+  const double number = prediction.remaining / (time - previousImpact);
+  const double resolved = std::numeric_limits<double>::epsilon() * number * std::sqrt(number);
   add(std::move(prediction));
-  if (!extrapolate(tolerance, scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())
+  if (!extrapolate(std::max(tolerance, resolved), scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())
     return nullptr;
   if (sensitivities != nullptr && !derivativesAgree(tolerance, sensitivities->columnCount()))
     return nullptr;

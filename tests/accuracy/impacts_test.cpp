@@ -392,5 +392,27 @@ TEST(Impacts, RestAfterASavedState) {
   EXPECT_EQ(model["der(y)"], 0.0);
 }
 
+// Bounces until the times between them are near what times are resolved to: the rest at sqrt(2/g) (1 + e)/(1 − e) is carried into all the
+// same, as well as it is known.
+TEST(AccumulatingImpacts, AreCarriedIntoRestWhereTimesAreResolvedNoBetter) {
+  const std::string file = sourceFile("lively_ball.tf", R"(
+model LivelyBall
+  parameter Real e = 0.9999;
+  coordinate Real y(start = 1);
+  body b(mass = 1, position = y);
+  force w(value = -9.81, at = y);
+  contact floor(gap = y, restitution = e);
+end LivelyBall;
+)");
+  for (const double e : {0.999, 0.9999})
+    for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT}) {
+      CompiledModel model(file, {{"e", e}});
+      model.tolerance(1e-12).integrator(integrator).run(1 / (1 - e));
+      EXPECT_EQ(model["y"], 0) << integrator;
+      const double rest = std::sqrt(2 / 9.81) * (1 + e) / (1 - e);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_REST), rest, 1e-9 * rest) << integrator;
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
