@@ -176,5 +176,28 @@ TEST(Spheres, FallIntoABox) {
   EXPECT_LT(statistics.worst_energy_error, 1e-7);
 }
 
+// Bounces of 1e-9 m, on a hard and on a soft floor, with the magnitudes of length and velocity as `nominal`: errors are relative to these.
+// The hard floor: fall for t1 = sqrt(2h/g), then y = e g t1 s − g s²/2. The soft one: oscillations, against a tight run.
+TEST(SmallMagnitudes, AreThoseThatTheToleranceIsRelativeTo) {
+  const std::string head = "  parameter Real h = 1e-9;\n  coordinate Real y(start = h, nominal = 1e-9, der(nominal = 1e-4));\n"
+                           "  body b(mass = 1, position = y);\n  force w(value = -9.81, at = y);\n";
+  const std::string hard =
+      sourceFile("hard_nano.tf", "model HardNano\n" + head + "  contact floor(gap = y, restitution = 0.5);\nend HardNano;\n");
+  const std::string soft =
+      sourceFile("soft_nano.tf",
+                 "model SoftNano\n" + head + "  force floor(value = if y < 0 then -1e12*y - 1e5*der(y) else 0, at = y);\nend SoftNano;\n");
+  const double fall = std::sqrt(2e-9 / 9.81), later = 2e-5 - fall, bounced = 0.5 * 9.81 * fall * later - 0.5 * 9.81 * later * later;
+  CompiledModel tight(soft);
+  tight.tolerance(1e-12).run(2e-5);
+  for (const double tolerance : {1e-4, 1e-6, 1e-8})
+    for (const tf_integrator integrator : integrators) {
+      CompiledModel one(hard), other(soft);
+      one.tolerance(tolerance).integrator(integrator).run(2e-5);
+      EXPECT_NEAR(one["y"], bounced, 1e-8 * tolerance) << integrator << ", " << tolerance;
+      other.tolerance(tolerance).integrator(integrator).run(2e-5);
+      EXPECT_NEAR(other["y"], tight["y"], 1e-8 * tolerance) << integrator << ", " << tolerance;
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
