@@ -26,7 +26,7 @@ constexpr double dense[1][7] = {{-12715105075.0 / 11282082432.0, 0, 87487479700.
 
 }  // namespace
 
-DormandPrince::DormandPrince(int size) : ExplicitMethod(size, stageCount, storedCount, coefficientCount, 3.25) {}
+DormandPrince::DormandPrince(int size) : ExplicitMethod(size, stageCount, storedCount, coefficientCount, 3.25, 40) {}
 
 bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                           double /*accuracy*/) {

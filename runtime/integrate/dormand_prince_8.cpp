@@ -95,7 +95,7 @@ constexpr double dense[4][16] = {
 
 }  // namespace
 
-DormandPrince8::DormandPrince8(int size) : ExplicitMethod(size, stageCount, storedCount, coefficientCount, 6.1) {}
+DormandPrince8::DormandPrince8(int size) : ExplicitMethod(size, stageCount, storedCount, coefficientCount, 6.1, 6) {}
 
 // The error is the estimate of order 5, damped by the one of order 3 (II.10); of each component, so that the ratio of one does not vouch
 // for others.

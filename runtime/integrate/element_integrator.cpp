@@ -89,6 +89,7 @@ double ElementIntegrator::stepAccuracy() const { return settings_.fixedStep > 0 
 
 bool ElementIntegrator::solve(double h, double accuracy) {
   dynamics_.restartMargins();
+  method_->setDistance((beginTime_ - switchTime_) / h);
   return method_->solve(dynamics_, beginTime_, begin_.data(), beginRate_.data(), h, scale_.data(), accuracy);
 }
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace tf::runtime {
@@ -38,6 +39,9 @@ public:
   virtual void reject(const double * /*scale*/) {}
   virtual void finish() {}
 
+  // The next element begins so many of its lengths after a switch: rates behind that may be powers of the time since then, of which an
+  // estimate that is made for smooth ones shows a part only.
+  void setDistance(double lengths) { distance_ = lengths; }
   // max_i |error_i| / (tolerance scale_i): at most 1 is acceptable; it grows with h to the power errorOrder().
   [[nodiscard]] virtual double errorNorm(const double *scale, double tolerance) const = 0;
   [[nodiscard]] virtual double errorOrder() const = 0;
@@ -69,6 +73,7 @@ protected:
 
   std::vector<double> end_, endRate_, error_;
   int n_;
+  double distance_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace tf::runtime

@@ -3,6 +3,7 @@
 
 #include "runtime/integrate/mode_dynamics.h"
 
+#include <limits>
 #include <vector>
 
 namespace tf::runtime {
@@ -34,6 +35,8 @@ public:
   // Begins at (time, state) in the dynamics' mode; `rate` is dy/dt there. A suggested first step ≤ 0 means: find one; infinity: to the
   // limit.
   virtual void start(double time, const double *state, const double *rate, double firstStep) = 0;
+  // Of the last switch, before start: rates behind it may be powers of the time since then.
+  void setSwitchTime(double time) { switchTime_ = time; }
   // One step from where the last one ended, not beyond `limit`.
   virtual StepStatus step(double limit) = 0;
   // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy.
@@ -83,6 +86,7 @@ protected:
   IntegratorSettings settings_;
   int n_;
   double beginTime_ = 0, endTime_ = 0;
+  double switchTime_ = -std::numeric_limits<double>::infinity();
   std::vector<double> begin_, beginRate_, end_, endRate_;
   IntegratorStatistics statistics_;
 };

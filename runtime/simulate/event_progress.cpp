@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -13,11 +14,29 @@ bool EventProgress::add(double time) {
   return ++count <= most;
 }
 
+void SwitchProgress::start(int switches) {
+  faint_.assign(switches, 0);
+  latest_.resize(switches);
+  for (std::array<double, several> &times : latest_)
+    times.fill(-std::numeric_limits<double>::infinity());
+}
+
 bool SwitchProgress::add(int j, double between) {
   constexpr int most = 100;
   constexpr double rounding = 2e-11;
   faint_[j] = std::abs(between) <= rounding ? faint_[j] + 1 : 0;
   return faint_[j] <= most;
+}
+
+void SwitchProgress::changed(int j, double time) {
+  std::array<double, several> &times = latest_[j];
+  std::copy_backward(times.begin(), times.end() - 1, times.end());
+  times.front() = time;
+}
+
+bool SwitchProgress::isRapid(int j, double time) const {
+  const std::array<double, several> &times = latest_[j];
+  return std::isfinite(times.back()) && time - times.front() <= times.front() - times.back();
 }
 
 }  // namespace tf::runtime

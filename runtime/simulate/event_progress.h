@@ -1,6 +1,8 @@
 // Whether events leave the run any progress. Impacts that accumulate are no such case: they are carried through.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 namespace tf::runtime {
@@ -22,13 +24,20 @@ public:
 // errors decide.
 class SwitchProgress {
 public:
-  void start(int switches) { faint_.assign(switches, 0); }
+  void start(int switches);
   // Switch j changes, between whose last change and now its condition has had this value. False: that has been no more than rounding for
   // long.
   bool add(int j, double between);
+  // Switch j has changed at `time`.
+  void changed(int j, double time);
+  // Several changes of switch j have come just before `time`: it has been no longer since the last one than between them.
+  [[nodiscard]] bool isRapid(int j, double time) const;
 
 private:
-  std::vector<int> faint_;  // changes in a row, of each switch
+  static constexpr std::size_t several = 4;
+
+  std::vector<int> faint_;                           // changes in a row, of each switch
+  std::vector<std::array<double, several>> latest_;  // their times, of each switch, the last one first
 };
 
 }  // namespace tf::runtime

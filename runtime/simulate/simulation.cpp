@@ -36,7 +36,25 @@ tf_status Simulation::Implementation::failSensitivities(std::string_view where) 
   return failAt(fmt::format("the sensitivities cannot be continued over {}", where));
 }
 
-tf_status Simulation::Implementation::failEvaluation() { return fail(failures_.evaluation()); }
+tf_status Simulation::Implementation::failEvaluation() {
+  const std::string text = failures_.evaluation();
+  return fail(rapidSwitch() + text);
+}
+
+// What may be the cause of a failure at (time_, state_): a switch that changes ever faster, with its condition at zero. Else empty.
+std::string Simulation::Implementation::rapidSwitch() {
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Conditions);
+  for (int j = 0; j < model_.ns; ++j)
+    if (switchProgress_.isRapid(j, time_) && std::abs(at_.condition[j]) <= owner_.options.tolerance)
+      return switchesWithoutEnd(j) + ": ";
+  return {};
+}
+
+std::string Simulation::Implementation::switchesWithoutEnd(int j) const {
+  return fmt::format("no consistent continuation: '{}' {} switches without end", model_.switches[j].text,
+                     sourceOf(model_.switches[j].location));
+}
 
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
 void Simulation::Implementation::startMode() {
@@ -58,6 +76,7 @@ void Simulation::Implementation::startIntegrator(GapsAtStart gaps) {
     detection_.restart(time_, slow);
   else
     detection_.resume(time_, slow);
+  integrator.setSwitchTime(switchTime_);
   integrator.start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_.watchStart();
 }
@@ -68,6 +87,7 @@ bool Simulation::Implementation::takeOver(SmoothIntegrator &integrator, Integrat
   detection_.setIntegrator(integrator);
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return false;
+  integrator.setSwitchTime(switchTime_);
   integrator.start(time_, state_.data(), rate_.data(), 0);
   detection_.watchStart();
   return true;
@@ -105,6 +125,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   time_ = startTime;
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
+  switchTime_ = -std::numeric_limits<double>::infinity();
   lingeringSteps_ = 0;
   progress_.start(startTime, model_.nc + model_.nf + model_.ns);
   switchProgress_.start(model_.ns);
@@ -310,7 +331,7 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
   // The equations end here.
   if (const double ahead = lookAhead(); !dynamics_.evaluate(ahead, interpolated_.data(), rate_.data()))
     return failEvaluation();
-  return failAt(fmt::format("the integrator cannot meet tolerance {:.3g}", owner_.options.tolerance));
+  return failAt(rapidSwitch() + fmt::format("the integrator cannot meet tolerance {:.3g}", owner_.options.tolerance));
 }
 
 tf_status Simulation::Implementation::step(double limit) {
@@ -404,6 +425,7 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   const auto vector = [&field](auto &values) { field(values.data(), values.size() * sizeof values[0]); };
   field(&time_, sizeof time_);
   field(&suggestedStep_, sizeof suggestedStep_);
+  field(&switchTime_, sizeof switchTime_);
   field(&progress_, sizeof progress_);
   field(&more.energy, sizeof more.energy);
   vector(more.impacts);

@@ -291,8 +291,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (const tf_status status = differentiateEvent(event.guard); status != TF_OK)
     return status;
   if (guard.kind == GuardKind::Condition && switchesFaintly(guard.index))
-    return failAt(fmt::format("no consistent continuation: '{}' {} switches without end", model_.switches[guard.index].text,
-                              sourceOf(model_.switches[guard.index].location)));
+    return failAt(switchesWithoutEnd(guard.index));
   if (guard.kind == GuardKind::Condition)
     crossSwitch(event.guard, nearby * std::max(1.0, std::abs(time_)));
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
@@ -407,6 +406,10 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
   else if (guard.kind == GuardKind::Condition)
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
+  if (guard.kind == GuardKind::Condition) {
+    switchTime_ = time_;
+    switchProgress_.changed(guard.index, time_);
+  }
   std::vector<Transition> &transitions = beginTransitions();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;

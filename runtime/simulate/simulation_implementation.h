@@ -56,6 +56,7 @@ public:
   Mode mode_, previousMode_;
   bool modeValid_ = false;
   double suggestedStep_ = 0;
+  double switchTime_ = -std::numeric_limits<double>::infinity();  // of the last switch
   std::uint64_t inputRevision_ = 0;
   EventProgress progress_;
   SwitchProgress switchProgress_;
@@ -107,6 +108,8 @@ private:
   tf_status checkRedundancy();
   void enterSegment();
   bool skipTo(double limit);
+  [[nodiscard]] std::string rapidSwitch();
+  [[nodiscard]] std::string switchesWithoutEnd(int j) const;
   tf_status failStep(StepStatus status);
   tf_status step(double limit);
   tf_status commit();

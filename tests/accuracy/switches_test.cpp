@@ -37,8 +37,10 @@ end Turbulent;
 )");
   const double crossing = 2 * (1 - std::log(2.0));
   const auto time = [](double x) { return 2 * (std::sqrt(-x) - std::log1p(std::sqrt(-x))); };
-  // The error estimate of explicit pairs is for smooth equations: of a root from its zero on it shows a fortieth.
-  withEachIntegrator(file, 1e-8, 2, [&](const CompiledModel &model) { EXPECT_NEAR(crossing + time(model["x"]), 2, 2e-6); });
+  // Error estimates are for smooth equations: of a root from its zero on that of the pair of order 5 shows a fortieth.
+  for (const double tolerance : {1e-6, 1e-8, 1e-10})
+    withEachIntegrator(file, tolerance, 2,
+                       [&](const CompiledModel &model) { EXPECT_NEAR(crossing + time(model["x"]), 2, 10 * tolerance); });
 }
 
 // Hertz' force stores and returns the energy: the ball leaves as fast as it came.
@@ -47,7 +49,7 @@ TEST(BranchesThatEnd, HertzContactReturnsTheSpeed) {
     const std::string file = sourceFile("hertz.tf", std::string("model Hertz\n  coordinate Real x(start = -0.5, der(start = 1));\n"
                                                                 "  body b(mass = 1, position = x);\n  force f(value = -100*") +
                                                         force + ", at = x);\nend Hertz;\n");
-    withEachIntegrator(file, 1e-8, 2, [](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], -1, 2e-7); });
+    withEachIntegrator(file, 1e-8, 2, [](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], -1, 5e-8); });
   }
 }
 
@@ -95,6 +97,26 @@ TEST(Switches, WithoutEndEndTheRun) {
     EXPECT_NEAR(model.time(), end, 1e-3);
     EXPECT_NEAR(model["x"], 0, 1e-9);
   }
+}
+
+// s' = −1.5 sqrt|s| sgn s + u + sin t, u' = −1.1 sgn s: s and s' come to zero together, through infinitely many switches.
+TEST(Switches, WithoutEndInASuperTwistingControllerAreNamed) {
+  for (const char *sign : {"sign(s)", "(if s > 0 then 1 else -1)"})
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
+        CompiledModel model(
+            sourceFile(std::string("super_twisting_") + (sign[0] == 's' ? "a.tf" : "b.tf"),
+                       std::string("model SuperTwisting\n  Real s(start = 1), u;\nequation\n  der(s) = -1.5*sqrt(abs(s))*") + sign +
+                           " + u + sin(time);\n  der(u) = -1.1*" + sign + ";\nend SuperTwisting;\n"));
+        model.tolerance(tolerance).integrator(integrator);
+        try {
+          model.run(10);
+          ADD_FAILURE() << integrator;
+        } catch (const std::runtime_error &error) {
+          EXPECT_NE(std::string(error.what()).find("no consistent continuation: '"), std::string::npos) << error.what();
+          EXPECT_NE(std::string(error.what()).find("switches without end: "), std::string::npos) << error.what();
+        }
+      }
 }
 
 }  // namespace
