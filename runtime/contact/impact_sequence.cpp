@@ -3,6 +3,7 @@
 #include "runtime/contact/breakpoint_tail.h"
 #include "runtime/contact/contact_solver.h"
 #include "runtime/contact/frozen_phase.h"
+#include "runtime/contact/single_contact_phase.h"
 #include "runtime/contact/time_speed.h"
 
 #include <algorithm>
@@ -53,6 +54,7 @@ void SequenceProblem::resize(int normals, int tangents) {
 struct ImpactSequence::Workspace {
   const SequenceProblem *problem = nullptr;
   FrozenPhase frozen;
+  SingleContactPhase singleFrozen;
   FrozenProblem impact;
   ContactSolver solver{{.listsDegenerate = false}};
   ContactProblem closed;
@@ -183,7 +185,8 @@ bool ImpactSequence::Workspace::freeze() {
     impact.friction[j] = problem->friction[tangents[j]];
     impact.slipVelocity[j] = velocity[n() + tangents[j]];
   }
-  const FrozenResult &result = frozen.run(impact);
+  const FrozenResult *closedForm = singleFrozen.run(impact);
+  const FrozenResult &result = closedForm != nullptr ? *closedForm : frozen.run(impact);
   if (result.status != FrozenStatus::Finished)
     return false;
   for (int c = 0; c < ni + mi; ++c) {
