@@ -26,10 +26,33 @@ void Projection::correct(double *target) {
     correctWithDelassus(target);
 }
 
+// Of D on the rows that take part; rows of which less than `dependence` of D_rr is left by the others depend on them.
+void Projection::factorise(double dependence) {
+  const int size = static_cast<int>(chosen_.size());
+  factor_.resize(size);
+  for (int j = 0; j < size; ++j)
+    for (int i = j; i < size; ++i)
+      factor_.entry(i, j) = problem_.delassus(chosen_[i], chosen_[j]);
+  factor_.factor(dependence);
+}
+
+// The square of the correction, in the metric of the mass matrix, relative to the largest one that a row alone asks for.
+double Projection::squaredAmplification() const {
+  double square = 0, largest = 0;
+  for (std::size_t k = 0; k < chosen_.size(); ++k) {
+    const double residual = residual_[chosen_[k]], diagonal = problem_.delassus(chosen_[k], chosen_[k]);
+    square += solution_[k] * residual;
+    if (diagonal > 0)
+      largest = std::max(largest, residual * residual / diagonal);
+  }
+  return largest > 0 ? square / largest : 0;
+}
+
 // Where D is singular any solution makes the same motion: residuals are consistent but for rounding, which no motion of redundant rows can
-// remove.
+// remove. Rows that nearly depend on others (spheres in a regular packing, with walls) may have residuals that contradict these by more
+// than that: to remove them too would take a motion far larger than the residuals.
 void Projection::correctWithDelassus(double *target) {
-  constexpr double dependence = 1e-11;
+  constexpr double dependence = 1e-11, largestAmplification = 1e3;
   const int rows = rows_.count();
   if (factored_ != corrected_) {
     factored_ = corrected_;
@@ -37,16 +60,20 @@ void Projection::correctWithDelassus(double *target) {
     for (int i = 0; i < rows; ++i)
       if (corrected_[i])
         chosen_.push_back(i);
-    factor_.resize(static_cast<int>(chosen_.size()));
-    for (std::size_t j = 0; j < chosen_.size(); ++j)
-      for (std::size_t i = j; i < chosen_.size(); ++i)
-        factor_.entry(static_cast<int>(i), static_cast<int>(j)) = problem_.delassus(chosen_[i], chosen_[j]);
-    factor_.factor(dependence);
+    factorise(dependence);
     solution_.resize(chosen_.size());
   }
-  for (std::size_t k = 0; k < chosen_.size(); ++k)
-    solution_[k] = residual_[chosen_[k]];
-  factor_.solve(solution_.data(), solution_.data());
+  const auto solve = [this] {
+    for (std::size_t k = 0; k < chosen_.size(); ++k)
+      solution_[k] = residual_[chosen_[k]];
+    factor_.solve(solution_.data(), solution_.data());
+  };
+  solve();
+  if (squaredAmplification() > largestAmplification * largestAmplification) {
+    factorise(1 / (largestAmplification * largestAmplification));
+    factored_.clear();
+    solve();
+  }
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   for (std::size_t k = 0; k < chosen_.size(); ++k)
     impulse_[chosen_[k]] = solution_[k];

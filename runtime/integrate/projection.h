@@ -29,6 +29,8 @@ public:
 
 private:
   void correct(double *target);
+  void factorise(double dependence);
+  [[nodiscard]] double squaredAmplification() const;
   void correctWithDelassus(double *target);
   [[nodiscard]] double changeAlong(int row) const;
   double coordinateResiduals();

@@ -170,6 +170,23 @@ tf_status Simulation::Implementation::stopFaint(const std::vector<int> &contacts
   return std::any_of(contacts.begin(), contacts.end(), stops) ? stopSlow(contacts, slow) : TF_OK;
 }
 
+// Whether the velocities of a touching contact, once what is as slow has stopped, are what they should be: zero where it is held, not
+// negative, and changed by hardly more than what was stopped. Of redundant contacts some may have to open: where they cannot stop together,
+// one of them would be pressed in or thrown up; and where they are wedged, what slides fast along the wedge would have to stop.
+bool Simulation::Implementation::acceptsStop(int contact, const Mode &resting, const std::vector<double> &gapRates,
+                                             const std::vector<double> &slips, double slow) {
+  constexpr double largestChange = 10;
+  const tf_contact &data = model_.contacts[contact];
+  const double still = selection_.velocityTolerance(state_.data());
+  const double rate = at_.gapRate[contact];
+  if (rate < -still || (resting.closed[contact] && rate > still) || !(std::abs(rate - gapRates[contact]) <= largestChange * slow))
+    return false;
+  for (int row = data.tangent_first; row < data.tangent_first + data.tangent_count; ++row)
+    if (!(std::abs(at_.slip[row] - slips[row]) <= largestChange * slow))
+      return false;
+  return true;
+}
+
 // Gap rates and slips of these contacts that are not faster become zero, if they can together. After impacts that the tolerance does not
 // see those of two components do: they have no direction there that is more than an error, and would start one another again and again.
 tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts, double slow) {
@@ -193,11 +210,12 @@ tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts,
   }
   const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
   std::vector<double> stopped = state_;
-  // Of redundant contacts some may have to open: where they cannot stop together, one of them would be pressed in.
+  const std::vector<double> gapRates = at_.gapRate, slips = at_.slip;
   if (!stop(time_, stopped.data()))
     return TF_OK;
-  selection_.findTouching(time_, stopped.data());
-  if (!selection_.approaching().empty())
+  at_.setPoint(time_, stopped.data());
+  at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  if (!std::all_of(contacts.begin(), contacts.end(), [&](int i) { return acceptsStop(i, resting, gapRates, slips, slow); }))
     return TF_OK;
   if (sensitivities_ && !sensitivities_->propagate(stop, time_, state_.data()))
     return failSensitivities("the impact");

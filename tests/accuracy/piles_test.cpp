@@ -92,8 +92,9 @@ double fastest(const CompiledModel &model) {
 }
 
 // The pile falls for so many fifths of a second, never gains energy, keeps the invariants and rests at the end, with all weight on the
-// floor and the walls.
-void expectRest(CompiledModel &model, int bodies, int fifths, double tolerance, double energyError) {
+// floor and the walls. Where an impact and the end of a contact come in one order or another by the tolerance, normal forces may be
+// negative by as little.
+void expectRest(CompiledModel &model, int bodies, int fifths, double tolerance, double energyError, double forceError = 1e-7) {
   ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
   model.tolerance(tolerance).initialise();
   double energy = model.energy();
@@ -104,7 +105,7 @@ void expectRest(CompiledModel &model, int bodies, int fifths, double tolerance, 
   }
   const tf_statistics &statistics = *tf_get_statistics(model.simulation());
   EXPECT_GE(statistics.worst_gap, -1e-9);
-  EXPECT_GE(statistics.worst_normal_force, -1e-7 * statistics.largest_normal_force);
+  EXPECT_GE(statistics.worst_normal_force, -forceError * statistics.largest_normal_force);
   EXPECT_LT(statistics.worst_energy_error, energyError);
   EXPECT_LT(fastest(model), 1e-9);
   EXPECT_NEAR(energy, gravity * model["height"], 1e-9);
@@ -114,6 +115,15 @@ void expectRest(CompiledModel &model, int bodies, int fifths, double tolerance, 
 TEST(Piles, TenSpheresComeToRest) {
   CompiledModel model(sourceFile("ten_spheres.tf", pileOfSpheres(10)));
   expectRest(model, 10, 14, 1e-5, 1e-7);
+}
+
+// A sphere that slides down between a wall and another one at nearly its height is a wedge: its contacts nearly depend on one another, and
+// cannot stop together while it slides.
+TEST(Piles, TenSpheresThatWedgeOneAnotherComeToRest) {
+  CompiledModel model(sourceFile("wedged_spheres.tf", pileOfSpheres(10)));
+  ASSERT_EQ(tf_set(model.simulation(), "mu", 0.1), TF_OK);
+  expectRest(model, 10, 15, 1e-4, 1e-7, 1e-5);
+  EXPECT_LT(tf_get_statistics(model.simulation())->frozen_phases, 2000);
 }
 
 // Slips that press each other in leave the contact problem without a solution; no single contact starts the impulse that ends them.
