@@ -1,9 +1,15 @@
 // Nodes and weights of collocation methods on [0, 1] (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5).
 #pragma once
 
+#include <span>
 #include <vector>
 
 namespace tf::runtime {
+
+// On [0, 1].
+struct Quadrature {
+  std::span<const double> nodes, weights;
+};
 
 // Weights w with Σ w_j p(x_j) = functional(p) for all polynomials of degree below the number of nodes; moments[k] = functional(x^k).
 [[nodiscard]] std::vector<double> interpolatoryWeights(const std::vector<double> &nodes, const std::vector<long double> &moments);

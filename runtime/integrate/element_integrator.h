@@ -23,6 +23,7 @@ public:
   [[nodiscard]] bool isExactInside() const override {
     return settings_.fixedStep <= 0 && error_ <= negligible && !dynamics_.hasTurningSlips();
   }
+  [[nodiscard]] Quadrature quadrature() const override { return method_->quadrature(); }
   [[nodiscard]] bool samplesInside() const override { return method_->interiorStages() >= 2; }
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
   [[nodiscard]] bool isStabilised() const override { return method_->isStabilised(); }

@@ -1,6 +1,7 @@
 // One-step methods on a finite element [t0, t0 + h] of one mode.
 #pragma once
 
+#include "runtime/integrate/collocation.h"
 #include "runtime/integrate/mode_dynamics.h"
 
 #include <algorithm>
@@ -47,6 +48,10 @@ public:
   [[nodiscard]] virtual double errorOrder() const = 0;
   // How many stages lie inside the element.
   [[nodiscard]] virtual int interiorStages() const = 0;
+
+  // Places inside the element at which the solution obeys the equations, with the weights of a quadrature; none: at no place better than at
+  // others.
+  [[nodiscard]] virtual Quadrature quadrature() const { return {}; }
 
   // h times an estimate of the largest eigenvalue of the Jacobian, relative to the border of the stability region: above 1 the step is
   // limited by stability. 0 of methods that have no such limit.

@@ -372,6 +372,68 @@ bool ModeDynamics::stop(double time, double *state) {
   return true;
 }
 
+bool ModeDynamics::slipsGrowSlowly(double time, const double *state) {
+  if (slips_.empty())
+    return false;
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Slips);
+  if (slips_.haveLaunched() || !evaluate(time, state, plus_.data()))
+    return false;
+  completeRows();
+  at_.switching(ModelEvaluation::Slips);
+  rememberedSlip_.assign(at_.slip.begin(), at_.slip.end());
+  std::vector<double> rates(rows_.tangents().size()), growth(slips_.count());
+  for (std::size_t j = 0; j < rates.size(); ++j) {
+    const int row = rows_.normalCount() + static_cast<int>(j);
+    rates[j] = rows_.product(row, at_.acceleration.data()) + rows_.modelBias(at_, row);
+  }
+  for (int pair = 0; pair < slips_.count(); ++pair)
+    growth[pair] = rates[slips_.row(pair)];
+  slipRate_.assign(at_.model().nt, 0.0);
+  rows_.spreadTangentForces(rates.data(), slipRate_.data());
+  return slips_.watchGrowth(growth.data());
+}
+
+void ModeDynamics::continueSlips(double duration, double *state, const double *scale) {
+  std::vector<double> wanted(rememberedSlip_.size(), 0.0);
+  stops_ = nothingStops_;
+  for (int pair = 0; pair < slips_.count(); ++pair) {
+    stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+    const int first = slips_.modelRow(pair);
+    for (int row = first; row < first + 2 && !slips_.starts(pair); ++row)
+      wanted[row] = rememberedSlip_[row] + duration * slipRate_[row];
+  }
+  completeRows();
+  projection_.project(state, scale, stops_.data(), wanted.data());
+}
+
+double ModeDynamics::turnToFriction(double time, const double *state) {
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Slips);
+  return slips_.turnToFriction();
+}
+
+void ModeDynamics::slipAngles(double time, const double *state, double *angles) {
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Slips);
+  slips_.angles(angles);
+}
+
+bool ModeDynamics::evaluateTurned(double time, const double *state, const double *angles, double *rate) {
+  std::vector<double> references(turningSlipCount());
+  slips_.references(references.data());
+  slips_.turnReferences(angles);
+  const bool good = evaluate(time, state, rate);
+  slips_.setReferences(references.data());
+  return good;
+}
+
+bool ModeDynamics::slipsTurnBack(double time, const double *state) {
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Slips);
+  return slips_.turnBack();
+}
+
 void ModeDynamics::turningSlips(double time, const double *state, double *slips) {
   at_.setPoint(time, state);
   at_.switching(ModelEvaluation::Slips);

@@ -158,6 +158,26 @@ public:
   [[nodiscard]] bool holdsEdge() const;
   // At the point of the latest `switching`.
   [[nodiscard]] bool hasSlowSlips() const { return !slips_.empty() && !slips_.haveLaunched(); }
+  // A slow slip of two components grows from (time, state) on; the slips there and their derivatives by time are remembered.
+  bool slipsGrowSlowly(double time, const double *state);
+  // One of them is zero there.
+  [[nodiscard]] bool slipsStart() const { return slips_.start(); }
+  // Moves the velocities of `state`, the last evaluation's point, so that slips of two components are what the remembered ones and their
+  // derivatives become within `duration`, zero where they start: along a tangent the motion of what they slip on leaves slips of the second
+  // order, in any direction.
+  void continueSlips(double duration, double *state, const double *scale);
+  // At (time, state) slips that grew where they were remembered have the opposite direction: implicit equations have such solutions too, in
+  // which friction pushes.
+  bool slipsTurnBack(double time, const double *state);
+  // See SlipDirections::references.
+  void slipReferences(double *directions) const { slips_.references(directions); }
+  void setSlipReferences(const double *directions) { slips_.setReferences(directions); }
+  // Turns the references of slips that start to the friction at (time, state), see SlipDirections::turnToFriction.
+  double turnToFriction(double time, const double *state);
+  // Angles from the references of slips that start to the slips at (time, state), one for each pair; zero for others.
+  void slipAngles(double time, const double *state, double *angles);
+  // dy/dt at (time, state), where slips start, with the references turned by these angles for once.
+  bool evaluateTurned(double time, const double *state, const double *angles, double *rate);
 
   [[nodiscard]] const RowSystem &rows() const { return rows_; }
   [[nodiscard]] long long evaluations() const { return evaluations_; }
@@ -211,6 +231,7 @@ private:
   std::vector<TangentRole> roles_;                  // nt
   std::vector<std::uint8_t> isPaired_;              // nt
   std::vector<std::uint8_t> nothingStops_, stops_;  // tangential rows
+  std::vector<double> rememberedSlip_, slipRate_;   // nt, see slipsGrowSlowly
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;

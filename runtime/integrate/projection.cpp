@@ -130,7 +130,7 @@ bool Projection::projectCoordinates(double *state) {
   return false;
 }
 
-void Projection::projectVelocities(double *velocities, const std::uint8_t *stopped, bool hasGapRates) {
+void Projection::projectVelocities(double *velocities, const std::uint8_t *stopped, const double *slips, bool hasGapRates) {
   const tf_model &model = at_.model();
   std::fill(change_.begin(), change_.end(), 0.0);
   if (model.nh > 0) {
@@ -156,14 +156,15 @@ void Projection::projectVelocities(double *velocities, const std::uint8_t *stopp
       continue;
     }
     const double rate = i < normals ? at_.gapRate[rows_.contacts()[i]] : rows_.tangentValue(at_.slip.data(), 1, j);
-    residual_[i] = -rate - changeAlong(i);
+    const double wanted = i < normals || slips == nullptr ? 0 : rows_.tangentValue(slips, 1, j);
+    residual_[i] = wanted - rate - changeAlong(i);
   }
   correct(change_.data());
   for (int i = 0; i < model.nv; ++i)
     velocities[i] += change_[i];
 }
 
-double Projection::project(double *state, const double *scale, const std::uint8_t *stopped) {
+double Projection::project(double *state, const double *scale, const std::uint8_t *stopped, const double *slips) {
   if (!isNeeded())
     return 0;
   const tf_model &model = at_.model();
@@ -171,7 +172,7 @@ double Projection::project(double *state, const double *scale, const std::uint8_
   factored_.clear();
   std::copy_n(state, model.nq + model.nv, before_.begin());
   const bool hasGapRates = projectCoordinates(state);
-  projectVelocities(state + model.nq, stopped, hasGapRates);
+  projectVelocities(state + model.nq, stopped, slips, hasGapRates);
   double size = 0;
   for (int k = 0; k < model.nq + model.nv; ++k)
     size = std::max(size, std::abs(state[k] - before_[k]) / scale[k]);

@@ -23,9 +23,9 @@ public:
   void use(const FoldedForces *forces) { forces_ = forces; }
   [[nodiscard]] bool isNeeded() const;
   // Moves (q, v) of `state`, which is the point of the latest evaluation or near it, onto gap = 0, gap rate = 0 and slip = 0 where
-  // problem.slipSign is 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length. Returns the size
-  // of the correction relative to `scale` [n].
-  double project(double *state, const double *scale, const std::uint8_t *stopped);
+  // problem.slipSign is 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length. The slips that
+  // rows get can be given, one for each tangential row of the model. Returns the size of the correction relative to `scale` [n].
+  double project(double *state, const double *scale, const std::uint8_t *stopped, const double *slips = nullptr);
 
 private:
   void correct(double *target);
@@ -35,7 +35,7 @@ private:
   [[nodiscard]] double changeAlong(int row) const;
   double coordinateResiduals();
   bool projectCoordinates(double *state);
-  void projectVelocities(double *velocities, const std::uint8_t *stopped, bool hasGapRates);
+  void projectVelocities(double *velocities, const std::uint8_t *stopped, const double *slips, bool hasGapRates);
 
   ModelEvaluation &at_;
   const RowSystem &rows_;

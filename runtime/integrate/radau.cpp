@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -49,12 +50,68 @@ void Radau::accept() {
   hasPast_ = true;
 }
 
+void Radau::predictAlongTangent(double h, const double *f0) {
+  for (int s = 0; s < stages_; ++s)
+    for (int i = 0; i < n_; ++i)
+      stage_[s * n_ + i] = nodes_[s] * h * f0[i];
+}
+
+// Along the tangent, but for slips of two components, which have to be in the direction of their friction.
+bool Radau::predictTurning(ModeDynamics &dynamics, double t0, double h, const double *scale) {
+  if (!dynamics.slipsStart())
+    return continueSlips(dynamics, t0, h, scale, 0, stages_);
+  constexpr int mostTurns = 5;
+  constexpr double straight = 0.05;
+  const auto count = static_cast<std::size_t>(dynamics.turningSlipCount());
+  std::vector<double> reference(count), directions;
+  dynamics.slipReferences(reference.data());
+  for (int s = 0; s < stages_; ++s)
+    directions.insert(directions.end(), reference.begin(), reference.end());
+  double turn = 1;
+  bool good = true;
+  for (int k = 0; k < mostTurns && good && turn > straight; ++k) {
+    for (int s = 0; s < stages_ && good; ++s) {
+      dynamics.setSlipReferences(directions.data() + s * count);
+      good = continueSlips(dynamics, t0, h, scale, s, s + 1) && evaluateWithJacobian(dynamics, t0, h, s);
+    }
+    if (!good)
+      break;
+    factor(h);
+    correct(h, scale);
+    turn = 0;
+    for (int s = 0; s < stages_; ++s) {
+      dynamics.setSlipReferences(directions.data() + s * count);
+      pointOfStage(s);
+      turn = std::max(turn, dynamics.turnToFriction(t0 + nodes_[s] * h, point_.data()));
+      dynamics.slipReferences(directions.data() + s * count);
+    }
+  }
+  dynamics.setSlipReferences(reference.data());
+  return good;
+}
+
+// Gives the slips of some stages the values that are expected of them.
+bool Radau::continueSlips(ModeDynamics &dynamics, double t0, double h, const double *scale, int first, int end) {
+  for (int s = first; s < end; ++s) {
+    pointOfStage(s);
+    if (!dynamics.evaluate(t0 + nodes_[s] * h, point_.data(), rate_.data() + s * n_))
+      return false;
+    dynamics.continueSlips(nodes_[s] * h, point_.data(), scale);
+    for (int i = 0; i < n_; ++i)
+      stage_[s * n_ + i] = point_[i] - begin_[i];
+  }
+  return true;
+}
+
+void Radau::pointOfStage(int s) {
+  for (int i = 0; i < n_; ++i)
+    point_[i] = begin_[i] + stage_[s * n_ + i];
+}
+
 // The past element's polynomial continued, or the tangent.
 void Radau::predict(double h, const double *f0) {
   if (!hasPast_) {
-    for (int s = 0; s < stages_; ++s)
-      for (int i = 0; i < n_; ++i)
-        stage_[s * n_ + i] = nodes_[s] * h * f0[i];
+    predictAlongTangent(h, f0);
     return;
   }
   const double *last = pastStage_.data() + (stages_ - 1) * n_;
@@ -76,8 +133,7 @@ void Radau::predict(double h, const double *f0) {
 
 bool Radau::evaluateStages(ModeDynamics &dynamics, double t0, double h) {
   for (int s = 0; s < stages_; ++s) {
-    for (int i = 0; i < n_; ++i)
-      point_[i] = begin_[i] + stage_[s * n_ + i];
+    pointOfStage(s);
     if (!dynamics.evaluate(t0 + nodes_[s] * h, point_.data(), rate_.data() + s * n_))
       return false;
   }
@@ -118,18 +174,66 @@ Radau::Iteration Radau::fixedPoint(ModeDynamics &dynamics, double t0, double h, 
   return Iteration::Slow;
 }
 
+// The rows of the stage equations' matrix that belong to a stage, with the Jacobian there.
+void Radau::setBlock(int stage, double h) {
+  for (int row = 0; row < stages_; ++row)
+    newtonMatrix_.block(row * n_, stage * n_, n_, n_) = -h * coefficients_[row * stages_ + stage] * jacobian_;
+}
+
+// The matrix has all its blocks; the Jacobian is that of the error estimate.
+void Radau::factor(double h) {
+  newtonMatrix_.diagonal().array() += 1;
+  factor_.compute(newtonMatrix_);
+  errorFactor_.compute(Eigen::MatrixXd::Identity(n_, n_) - h * embedded_[0] * jacobian_);
+}
+
 bool Radau::factorise(ModeDynamics &dynamics, double t0, double h) {
   // The Jacobian at the element's begin; the last row (tau, a quadrature) is zero.
   if (!dynamics.evaluate(t0, begin_.data(), point_.data()) || !dynamics.jacobian(t0, begin_.data(), jacobian_.data()))
     return false;
   ++jacobians;
-  for (int a = 0; a < stages_; ++a)
-    for (int b = 0; b < stages_; ++b)
-      newtonMatrix_.block(a * n_, b * n_, n_, n_) =
-          (a == b ? 1.0 : 0.0) * Eigen::MatrixXd::Identity(n_, n_) - h * coefficients_[a * stages_ + b] * jacobian_;
-  factor_.compute(newtonMatrix_);
-  errorFactor_.compute(Eigen::MatrixXd::Identity(n_, n_) - h * embedded_[0] * jacobian_);
+  for (int s = 0; s < stages_; ++s)
+    setBlock(s, h);
+  factor(h);
   return true;
+}
+
+bool Radau::evaluateWithJacobian(ModeDynamics &dynamics, double t0, double h, int s) {
+  const double time = t0 + nodes_[s] * h;
+  pointOfStage(s);
+  if (!dynamics.evaluate(time, point_.data(), rate_.data() + s * n_) || !dynamics.jacobian(time, point_.data(), jacobian_.data()))
+    return false;
+  ++jacobians;
+  setBlock(s, h);
+  return true;
+}
+
+// Evaluates all stages, with the Jacobian of each.
+bool Radau::factoriseStages(ModeDynamics &dynamics, double t0, double h) {
+  for (int s = 0; s < stages_; ++s)
+    if (!evaluateWithJacobian(dynamics, t0, h, s))
+      return false;
+  factor(h);
+  return true;
+}
+
+// One step of Newton's method from the rates of the stages; returns the change relative to the scale.
+double Radau::correct(double h, const double *scale) {
+  for (int s = 0; s < stages_; ++s)
+    for (int i = 0; i < n_; ++i) {
+      double sum = 0;
+      for (int j = 0; j < stages_; ++j)
+        sum += coefficients_[s * stages_ + j] * rate_[j * n_ + i];
+      residual_[s * n_ + i] = h * sum - stage_[s * n_ + i];
+    }
+  residual_ = factor_.solve(residual_).eval();
+  double change = 0;
+  for (int s = 0; s < stages_; ++s)
+    for (int i = 0; i < n_; ++i) {
+      stage_[s * n_ + i] += residual_[s * n_ + i];
+      change = std::max(change, std::abs(residual_[s * n_ + i]) / scale[i]);
+    }
+  return residual_.allFinite() ? change : std::numeric_limits<double>::infinity();
 }
 
 Radau::Iteration Radau::newton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy) {
@@ -140,20 +244,7 @@ Radau::Iteration Radau::newton(ModeDynamics &dynamics, double t0, double h, cons
     ++iterations;
     if (!evaluateStages(dynamics, t0, h))
       return Iteration::Failed;
-    for (int s = 0; s < stages_; ++s)
-      for (int i = 0; i < n_; ++i) {
-        double sum = 0;
-        for (int j = 0; j < stages_; ++j)
-          sum += coefficients_[s * stages_ + j] * rate_[j * n_ + i];
-        residual_[s * n_ + i] = h * sum - stage_[s * n_ + i];
-      }
-    residual_ = factor_.solve(residual_).eval();
-    double change = 0;
-    for (int s = 0; s < stages_; ++s)
-      for (int i = 0; i < n_; ++i) {
-        stage_[s * n_ + i] += residual_[s * n_ + i];
-        change = std::max(change, std::abs(residual_[s * n_ + i]) / scale[i]);
-      }
+    const double change = correct(h, scale);
     if (!std::isfinite(change))
       return Iteration::Failed;
     const double contraction = previous > 0 ? change / previous : 1e-3;
@@ -166,28 +257,81 @@ Radau::Iteration Radau::newton(ModeDynamics &dynamics, double t0, double h, cons
   return Iteration::Slow;
 }
 
+// The rate at the element's begin. Where slips start there it is the limit of the rates behind it, with the directions to which those of
+// the stages lead back: the ones that the mode begins with are those of other forces where these are redundant.
+const double *Radau::startRate(ModeDynamics &dynamics, double t0, const double *f0) {
+  const auto pairs = static_cast<std::size_t>(dynamics.turningSlipCount() / 2);
+  std::vector<double> angles(pairs), limits(pairs, 0.0);
+  for (int s = 0; s < stages_; ++s) {
+    double weight = 1;
+    for (int k = 0; k < stages_; ++k)
+      weight *= k == s ? 1 : nodes_[k] / (nodes_[k] - nodes_[s]);
+    pointOfStage(s);
+    dynamics.slipAngles(t0 + nodes_[s] * h_, point_.data(), angles.data());
+    for (std::size_t pair = 0; pair < pairs; ++pair)
+      limits[pair] += weight * angles[pair];
+  }
+  startRate_.resize(n_);
+  return dynamics.evaluateTurned(t0, begin_.data(), limits.data(), startRate_.data()) ? startRate_.data() : f0;
+}
+
+// A solution of the stage equations in which a slip does not go where it grows.
+bool Radau::turnsBack(ModeDynamics &dynamics, double t0, double h) {
+  for (int s = 0; s < stages_; ++s) {
+    pointOfStage(s);
+    if (dynamics.slipsTurnBack(t0 + nodes_[s] * h, point_.data()))
+      return true;
+  }
+  return false;
+}
+
+// The direction of friction changes by the change of a slip over its size, which differs from stage to stage by powers of ten where a slip
+// starts from zero: a matrix serves for more than one iteration only once it is that of the solution.
+Radau::Iteration Radau::turningNewton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy) {
+  constexpr double fast = 0.02;
+  double previous = 0, contraction = 1;
+  for (int k = 0; k < 20; ++k) {
+    ++iterations;
+    if (!(contraction > fast ? factoriseStages(dynamics, t0, h) : evaluateStages(dynamics, t0, h)))
+      return Iteration::Failed;
+    const double change = correct(h, scale);
+    if (!std::isfinite(change))
+      return Iteration::Failed;
+    if (k > 0)
+      contraction = change / previous;
+    if (change * std::min(contraction, 1.0) <= accuracy || change <= 1e-15)
+      return turnsBack(dynamics, t0, h) ? Iteration::Failed : Iteration::Converged;
+    if (k >= 5 && contraction > 0.9)
+      return change <= 1e3 * accuracy && change <= 1e-13 ? Iteration::Converged : Iteration::Slow;
+    previous = change;
+  }
+  return Iteration::Slow;
+}
+
 bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) {
   h_ = h;
   std::copy_n(y0, n_, begin_.begin());
   predict(h, f0);
   Iteration outcome = Iteration::Slow;
-  if (!stiff_)
+  const bool turns = dynamics.slipsGrowSlowly(t0, y0);
+  if (!stiff_ && !turns)
     outcome = fixedPoint(dynamics, t0, h, scale, accuracy);
   if (outcome != Iteration::Converged) {
-    for (int s = 0; s < stages_; ++s)
-      for (int i = 0; i < n_; ++i)
-        stage_[s * n_ + i] = nodes_[s] * h * f0[i];
-    outcome = newton(dynamics, t0, h, scale, accuracy);
+    predictAlongTangent(h, f0);
+    if (turns && !predictTurning(dynamics, t0, h, scale))
+      return false;
+    outcome = turns ? turningNewton(dynamics, t0, h, scale, accuracy) : newton(dynamics, t0, h, scale, accuracy);
     if (outcome != Iteration::Converged)
       return false;
     stiff_ = true;
   }
+  const double *start = turns && dynamics.slipsStart() ? startRate(dynamics, t0, f0) : f0;
   for (int i = 0; i < n_; ++i)
     end_[i] = begin_[i] + stage_[(stages_ - 1) * n_ + i];
   if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
     return false;
   std::copy_n(endRate_.begin(), n_, rate_.begin() + (stages_ - 1) * n_);
-  estimateError(f0, h);
+  estimateError(start, h);
   return true;
 }
 

@@ -1,5 +1,6 @@
 // Radau IIA collocation with 1 to 4 stages, order 2s − 1 (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5, IV.8). The
-// stage equations are solved by fixed-point iteration while it contracts fast, else by simplified Newton with the compiler's Jacobian.
+// stage equations are solved by fixed-point iteration while it contracts fast, else by simplified Newton with the compiler's Jacobian; by
+// Newton with the Jacobians of all stages where slow slips of two components grow, whose stiffness is that of the reciprocal slip.
 #pragma once
 
 #include "runtime/integrate/element_method.h"
@@ -24,16 +25,32 @@ public:
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double errorOrder() const override { return (stages_ + 1) * errorPower_; }
   [[nodiscard]] int interiorStages() const override { return stages_ - 1; }
+  [[nodiscard]] Quadrature quadrature() const override {
+    const auto weights = std::span(coefficients_).last(static_cast<std::size_t>(stages_));
+    return {nodes_, weights};
+  }
 
 private:
   enum class Iteration : std::uint8_t { Converged, Slow, Failed };
 
   void predict(double h, const double *f0);
+  void predictAlongTangent(double h, const double *f0);
+  bool predictTurning(ModeDynamics &dynamics, double t0, double h, const double *scale);
+  bool continueSlips(ModeDynamics &dynamics, double t0, double h, const double *scale, int first, int end);
+  void pointOfStage(int s);
   bool evaluateStages(ModeDynamics &dynamics, double t0, double h);
   double update(double h, const double *scale);
   Iteration fixedPoint(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
   Iteration newton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
+  Iteration turningNewton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
+  const double *startRate(ModeDynamics &dynamics, double t0, const double *f0);
+  bool turnsBack(ModeDynamics &dynamics, double t0, double h);
+  double correct(double h, const double *scale);
   bool factorise(ModeDynamics &dynamics, double t0, double h);
+  bool evaluateWithJacobian(ModeDynamics &dynamics, double t0, double h, int s);
+  bool factoriseStages(ModeDynamics &dynamics, double t0, double h);
+  void setBlock(int stage, double h);
+  void factor(double h);
   void estimateError(const double *f0, double h);
 
   int stages_;
@@ -44,7 +61,7 @@ private:
   std::vector<double> barycentric_;   // of the nodes 0, c_1 … c_s
   std::vector<double> stage_;         // Z_i = Y_i − y0
   std::vector<double> rate_;          // F_i
-  std::vector<double> begin_, point_;
+  std::vector<double> begin_, point_, startRate_;
   double h_ = 0;
   bool hasPast_ = false;
   std::vector<double> pastBegin_, pastStage_;

@@ -1,5 +1,6 @@
 #include "runtime/integrate/slip_directions.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -30,7 +31,7 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
       at_.switching(ModelEvaluation::Slips);
       evaluated = true;
     }
-    Pair pair = {static_cast<int>(j), row, 1, 0, false};
+    Pair pair = {static_cast<int>(j), row, 1, 0, false, false, false};
     const bool given = static_cast<int>(mode.direction.size()) > row + 1 && (mode.direction[row] != 0 || mode.direction[row + 1] != 0);
     if (given) {
       pair.c = mode.direction[row];
@@ -63,6 +64,7 @@ void SlipDirections::renew(double time, const double *state) {
       continue;
     pair.c = x / speed;
     pair.s = y / speed;
+    pair.grows = false;
   }
 }
 
@@ -71,13 +73,87 @@ void SlipDirections::hold(double slow) {
     pairs_[k].held = slow > 0 && speed(k) <= slow;
 }
 
-bool SlipDirections::haveLaunched() const {
+bool SlipDirections::watchGrowth(const double *rates) {
+  bool slow = false;
+  for (int k = 0; k < count(); ++k) {
+    Pair &pair = pairs_[k];
+    pair.starts = speed(k) <= 10 * still * largestVelocity();
+    pair.grows = pair.starts || rates[k] > 0;
+    slow = slow || (pair.grows && isSlow(k));
+  }
+  return slow;
+}
+
+bool SlipDirections::start() const {
+  return std::any_of(pairs_.begin(), pairs_.end(), [](const Pair &pair) { return pair.starts; });
+}
+
+void SlipDirections::references(double *directions) const {
+  for (const Pair &pair : pairs_) {
+    *directions++ = pair.c;
+    *directions++ = pair.s;
+  }
+}
+
+void SlipDirections::setReferences(const double *directions) {
+  for (Pair &pair : pairs_) {
+    if (pair.starts) {
+      pair.c = directions[0];
+      pair.s = directions[1];
+    }
+    directions += 2;
+  }
+}
+
+void SlipDirections::angles(double *values) const {
+  for (const Pair &pair : pairs_)
+    *values++ = pair.starts ? std::atan2(across(pair), along(pair)) : 0;
+}
+
+void SlipDirections::turn(Pair &pair, double cosine, double sine) {
+  const double c = pair.c;
+  pair.c = c * cosine - pair.s * sine;
+  pair.s = pair.s * cosine + c * sine;
+}
+
+void SlipDirections::turnReferences(const double *angles) {
+  for (Pair &pair : pairs_) {
+    turn(pair, std::cos(*angles), std::sin(*angles));
+    ++angles;
+  }
+}
+
+double SlipDirections::turnToFriction() {
+  constexpr double steepest = 0.5;
+  double largest = 0;
+  for (Pair &pair : pairs_) {
+    if (!pair.starts)
+      continue;
+    const double slope = std::clamp(across(pair) / (2 * rounding(pair)), -steepest, steepest);
+    const double cosine = 1 / std::hypot(1, slope);
+    turn(pair, cosine, slope * cosine);
+    largest = std::max(largest, std::abs(slope));
+  }
+  return largest;
+}
+
+bool SlipDirections::isSlow(int pair) const {
   constexpr double small = 1e-2;
+  return speed(pair) <= small * largestVelocity();
+}
+
+bool SlipDirections::turnBack() const {
+  return std::any_of(pairs_.begin(), pairs_.end(), [this](const Pair &pair) { return pair.grows && along(pair) < -10 * rounding(pair); });
+}
+
+bool SlipDirections::haveLaunched() const {
   for (int k = 0; k < count(); ++k)
-    if (speed(k) <= small * largestVelocity())
+    if (isSlow(k))
       return false;
   return true;
 }
+
+double SlipDirections::rounding(const Pair &pair) const { return pair.grows ? still * largestVelocity() : rounding_; }
 
 double SlipDirections::along(const Pair &pair) const { return pair.c * at_.slip[pair.modelRow] + pair.s * at_.slip[pair.modelRow + 1]; }
 
@@ -93,7 +169,7 @@ double SlipDirections::speed(int pair) const {
 void SlipDirections::align(RowSystem &rows) const {
   for (const Pair &pair : pairs_) {
     const double x = along(pair), y = across(pair);
-    const double slope = pair.held ? 0 : x * y / (x * x + rounding_ * rounding_);
+    const double slow = rounding(pair), slope = pair.held ? 0 : x * y / (x * x + slow * slow);
     const double cosine = 1 / std::sqrt(1 + slope * slope), sine = slope * cosine;
     rows.setFrame(pair.row, pair.c * cosine - pair.s * sine, pair.s * cosine + pair.c * sine);
   }
@@ -140,7 +216,8 @@ void SlipDirections::slipsByVelocity(double *rows) const {
     rows = std::copy_n(at_.tangent.data() + static_cast<std::ptrdiff_t>(pair.modelRow) * nv, 2 * nv, rows);
 }
 
-// The direction's slope is x y/(x² + δ²), see `align`.
+// The direction's slope is x y/(x² + δ²), see `align`. Where x is smaller than δ, that of δ stands for it: from a slip that is zero
+// Newton's method then goes on along the reference, and finds how friction has to turn.
 double SlipDirections::turning(int pair, int column) const {
   const Pair &p = pairs_[pair];
   if (p.held)
@@ -148,8 +225,9 @@ double SlipDirections::turning(int pair, int column) const {
   const std::ptrdiff_t columns = at_.model().nq + at_.model().nv;
   const double first = slipByState_[2 * pair * columns + column], second = slipByState_[(2 * pair + 1) * columns + column];
   const double dx = p.c * first + p.s * second, dy = p.c * second - p.s * first;
-  const double x = along(p), y = across(p);
-  const double square = x * x + rounding_ * rounding_;
+  const double exact = along(p), y = across(p);
+  const double slow = rounding(p), x = std::abs(exact) < slow ? slow : exact;
+  const double square = x * x + slow * slow;
   const double slope = x * y / square;
   return ((x * dy + y * dx) / square - 2 * slope * x * dx / square) / (1 + slope * slope);
 }

@@ -16,7 +16,8 @@ class SlipDirections {
 public:
   explicit SlipDirections(ModelEvaluation &evaluation) : at_(evaluation) {}
 
-  // Slips below this part of the largest velocity (at least 1) have the reference direction: within the accuracy of velocities.
+  // Slips below this part of the largest velocity (at least 1) have the reference direction, unless they grow: within the accuracy of
+  // velocities.
   void setAccuracy(double relative) { accuracy_ = std::max(relative, 1e-12); }
 
   // The pairs among `rows` that slip (problem.slipSign ≠ 0), with the reference directions of a new mode that begins at (t, y): those of
@@ -42,6 +43,22 @@ public:
 
   // A slip starts from zero at the last `choose`: its direction is stiff at first, for any integrator that is not.
   [[nodiscard]] bool launches() const { return launches_; }
+  // Which of them start or grow at the point of the latest `switching`, where these are the rates of their speeds. Whether a slow one does.
+  bool watchGrowth(const double *rates);
+  // It was zero there, within rounding.
+  [[nodiscard]] bool starts(int pair) const { return pairs_[pair].starts; }
+  [[nodiscard]] bool start() const;
+  // The reference directions, two numbers for each. Only those of pairs that start are set.
+  void references(double *directions) const;
+  void setReferences(const double *directions);
+  // Turns those to the friction that Newton's method wants where it has begun with zero slips: there the slope of friction is the part of
+  // the slip across the reference over twice the rounding of slips (see `turning`). Returns the largest angle.
+  double turnToFriction();
+  // Angles from the references of those that start to the slips at the point of the latest `switching`, one for each pair; zero for others.
+  void angles(double *values) const;
+  void turnReferences(const double *angles);
+  // One of those that grew has the opposite direction at the point of the latest `switching`.
+  [[nodiscard]] bool turnBack() const;
   // No slip is small any more at the point of the last `renew`.
   [[nodiscard]] bool haveLaunched() const;
   // The direction of friction is the reference direction, whatever the slip is, for the pairs that are now not faster than `slow`, until
@@ -62,8 +79,13 @@ private:
     int row = 0, modelRow = 0;
     double c = 1, s = 0;  // reference direction
     bool held = false;
+    bool grows = false, starts = false;  // at the latest `watchGrowth`
   };
 
+  static void turn(Pair &pair, double cosine, double sine);
+  [[nodiscard]] bool isSlow(int pair) const;
+  // Slips below have the reference direction: rounding errors of those that grow, whose direction is known from the start on.
+  [[nodiscard]] double rounding(const Pair &pair) const;
   [[nodiscard]] double along(const Pair &pair) const;
   [[nodiscard]] double across(const Pair &pair) const;
 

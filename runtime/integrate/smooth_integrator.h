@@ -1,6 +1,7 @@
 // Integration of one mode, step by step; the caller looks for events inside each step and may shorten it.
 #pragma once
 
+#include "runtime/integrate/collocation.h"
 #include "runtime/integrate/mode_dynamics.h"
 
 #include <limits>
@@ -47,6 +48,9 @@ public:
   [[nodiscard]] virtual double reach() const { return 0; }
   // The interpolant is as good as the step, far within the tolerance: the end may be moved to any time inside the step.
   [[nodiscard]] virtual bool isExactInside() const { return false; }
+  // Parts of the last step at whose ends the state obeys the equations, with the weights of a quadrature; none: at no place better than at
+  // others.
+  [[nodiscard]] virtual Quadrature quadrature() const { return {}; }
   // The step has evaluated the dynamics at several places inside it (ModeDynamics::leastMargin).
   [[nodiscard]] virtual bool samplesInside() const { return false; }
   // The caller has moved the end of the step by a trifle.

@@ -1,0 +1,167 @@
+// Slips of two components that start from rest while the direction of their load turns: the slip grows from zero with the square of time,
+// and the direction of its friction is that of 0/0 where it starts.
+#include "tests/accuracy/each_integrator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <gtest/gtest.h>
+#include <string>
+#include <vector>
+
+namespace tf::test {
+namespace {
+
+using Complex = std::complex<double>;
+
+// A block on a table that turns faster and faster about the origin, W = W0 + W1 t, with its coordinates' masses m. The applied force is the
+// one that holds it still on the table until t = 1 and gives it the slip growth·s²/2 from then on, s = t − 1, in a direction that turns
+// against the table at the given rate.
+std::string pulledBlock(const std::string &name, const std::string &friction) {
+  return sourceFile(name + ".tf", R"(
+model PulledBlock
+  parameter Real W0 = 0, W1 = 0, m[2] = {1, 1}, growth = 1, turning = 0, limit = 3;
+  coordinate Real x(start = 0.4, der(start = 0.3*W0)), y(start = -0.3, der(start = 0.4*W0)), z;
+  body first(mass = m[1], position = {x, 0});
+  body second(mass = m[2], position = {0, y});
+  body third(mass = 1, position = {0, z});
+  Real W = W0 + W1*time, s = time - 1, angle = W0*time + W1*time^2/2 + turning*s;
+  Real d[2] = {cos(angle), sin(angle)}, e[2] = {-d[2], d[1]}, slip[2] = {der(x) + W*y, der(y) - W*x};
+  Real a[2] = growth*s*d + growth*s^2/2*(W + turning)*e + W1*{-y, x} + W*{-der(y), der(x)};
+  force pull(value = {m[1]*a[1], m[2]*a[2]} + limit*d, at = {x, y});
+  force weight(value = -10, at = z);
+)" + friction + "end PulledBlock;\n");
+}
+
+const std::string onTable = "  contact table(gap = z, slip = slip, friction = limit/10);\n";
+const std::string withElement = "  contact table(gap = z);\n  friction damper(slip = slip, bound = limit);\n";
+
+// Its place in the plane at a time after 1: on the table ∫ growth s²/2 exp(i turning s) ds from its start.
+Complex placeOfBlock(double time, double W0, double W1, double growth, double turning) {
+  const double s = time - 1;
+  const Complex a(0, turning), i(0, 1);
+  const Complex way = turning == 0 ? Complex(growth * s * s * s / 6)
+                                   : growth / 2 * (std::exp(a * s) * (s * s / a - 2 * s / (a * a) + 2.0 / (a * a * a)) - 2.0 / (a * a * a));
+  return std::exp(i * (W0 * time + W1 * time * time / 2)) * (Complex(0.4, -0.3) + way);
+}
+
+constexpr double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+
+// CVODE's local errors are not controlled below 1e-13 in each of its many steps.
+double allowed(tf_integrator integrator, double tolerance) { return std::max(10 * tolerance, integrator == TF_CVODE ? 1e-9 : 1e-11); }
+
+void expectOneSlip(const CompiledModel &model, double time, double error) {
+  EXPECT_EQ(model.count(TF_EVENT_SLIP), 1);
+  EXPECT_EQ(model.events().size(), 1U);
+  EXPECT_NEAR(model.eventTime(TF_EVENT_SLIP), time, error);
+}
+
+void expectPlaces(const std::string &file, const Settings &settings, double W0, double W1, double growth, double turning) {
+  for (const double tolerance : tolerances)
+    for (const tf_integrator integrator : integrators) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(std::log10(tolerance)));
+      CompiledModel model(file, settings);
+      model.tolerance(tolerance).integrator(integrator).run(2);
+      const Complex place = placeOfBlock(2, W0, W1, growth, turning);
+      EXPECT_NEAR(model["x"], place.real(), allowed(integrator, tolerance));
+      EXPECT_NEAR(model["y"], place.imag(), allowed(integrator, tolerance));
+      expectOneSlip(model, 1, allowed(integrator, tolerance));
+    }
+}
+
+TEST(StartingSlip, StaysStraight) { expectPlaces(pulledBlock("pulled_straight", onTable), {}, 0, 0, 1, 0); }
+
+TEST(StartingSlip, TurnsOnAFixedTable) {
+  for (const double turning : {-4.0, 1.0, 4.0})
+    expectPlaces(pulledBlock("pulled_turning", onTable), {{"turning", turning}}, 0, 0, 1, turning);
+}
+
+TEST(StartingSlip, TurnsWithATurntable) {
+  const std::string file = pulledBlock("pulled_on_turntable", onTable);
+  expectPlaces(file, {{"W0", 2}}, 2, 0, 1, 0);
+  expectPlaces(file, {{"W0", 1}, {"W1", 1.5}, {"turning", -2}}, 1, 1.5, 1, -2);
+}
+
+TEST(StartingSlip, GrowsSlowly) {
+  expectPlaces(pulledBlock("pulled_slowly", onTable), {{"W1", 1}, {"growth", 0.1}, {"turning", 2}}, 0, 1, 0.1, 2);
+}
+
+TEST(StartingSlip, GrowsFast) {
+  expectPlaces(pulledBlock("pulled_fast", onTable), {{"W1", 1}, {"growth", 2.5}, {"turning", 2}}, 0, 1, 2.5, 2);
+}
+
+TEST(StartingSlip, TurnsWithMassesThatDiffer) {
+  expectPlaces(pulledBlock("pulled_masses", onTable), {{"W0", 1}, {"m[2]", 3}, {"turning", 2}}, 1, 0, 1, 2);
+}
+
+TEST(StartingSlip, TurnsOfFrictionElements) {
+  expectPlaces(pulledBlock("pulled_damper", withElement), {{"W0", 1}, {"W1", 1}, {"turning", 2}}, 1, 1, 1, 2);
+}
+
+// The place is the start turned with the table and what is proportional to the growth.
+TEST(StartingSlip, HasSensitivities) {
+  const std::string file = pulledBlock("pulled_sensitively", onTable);
+  const Complex change = placeOfBlock(2, 1, 1.5, 2, -2) - placeOfBlock(2, 1, 1.5, 1, -2);
+  for (const double tolerance : {1e-6, 1e-8, 1e-10})
+    for (const tf_integrator integrator : integrators) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(std::log10(tolerance)));
+      CompiledModel model(file, {{"W0", 1}, {"W1", 1.5}, {"turning", -2}});
+      const char *name = "growth";
+      ASSERT_EQ(tf_set_sensitivities(model.simulation(), &name, 1), TF_OK);
+      model.tolerance(tolerance).integrator(integrator).run(2);
+      std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
+      ASSERT_EQ(tf_get_sensitivity(model.simulation(), 0, all.data()), TF_OK);
+      EXPECT_NEAR(all[static_cast<std::size_t>(tf_find(model.simulation(), "x"))], change.real(), 10 * tolerance);
+      EXPECT_NEAR(all[static_cast<std::size_t>(tf_find(model.simulation(), "y"))], change.imag(), 10 * tolerance);
+    }
+}
+
+// Not pulled by anything, with places and velocities by collocation with 18 stages in the slip itself, whose zero is exact then: to 1e-14.
+struct Recorded {
+  double start = 0, end = 0, x = 0, y = 0, xRate = 0, yRate = 0;
+};
+
+void expectRecorded(const std::string &file, const Recorded &recorded) {
+  for (const double tolerance : tolerances)
+    for (const tf_integrator integrator : integrators) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(std::log10(tolerance)));
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator).run(recorded.end);
+      const double error = 10 * allowed(integrator, tolerance);
+      EXPECT_NEAR(model["p[1]"], recorded.x, error);
+      EXPECT_NEAR(model["p[2]"], recorded.y, error);
+      EXPECT_NEAR(model["der(p[1])"], recorded.xRate, error);
+      EXPECT_NEAR(model["der(p[2])"], recorded.yRate, error);
+      expectOneSlip(model, recorded.start, error);
+    }
+}
+
+// Until the acceleration towards the axis and along the way together exceed what friction can give.
+TEST(StartingSlip, OfABlockOnATurntable) {
+  expectRecorded(sourceFile("block_on_turntable.tf", R"(
+model BlockOnTurntable
+  Real W = 0.8*time;
+  coordinate Real p[3](start = {0.5, 0.2, 0});
+  body block(mass = 1, position = p);
+  gravity weight(acceleration = {0, 0, -10});
+  contact table(gap = p[3], slip = {der(p[1]) + W*p[2], der(p[2]) - W*p[1]}, friction = 0.3);
+end BlockOnTurntable;
+)"),
+                 {2.9350040326007085, 4, 0.9280987086330315, 0.07176184078687566, 0.8626328495376019, 1.8142236846909638});
+}
+
+TEST(StartingSlip, OfABlockOnAnOrbitalShaker) {
+  expectRecorded(sourceFile("block_on_shaker.tf", R"(
+model BlockOnShaker
+  Real A = 0.05*time, u[2] = {0.05*cos(10*time) - 10*A*sin(10*time), 0.05*sin(10*time) + 10*A*cos(10*time)};
+  coordinate Real p[3](start = {0, 0, 0}, der(start = {0.05, 0, 0}));
+  body block(mass = 1, position = p);
+  gravity weight(acceleration = {0, 0, -10});
+  contact table(gap = p[3], slip = {der(p[1]) - u[1], der(p[2]) - u[2]}, friction = 0.3);
+end BlockOnShaker;
+)"),
+                 {0.5656854249492381, 2, 0.0098813176027128, -0.024315388137156644, 0.052690302655779564, 0.29535204583798785});
+}
+
+}  // namespace
+}  // namespace tf::test
