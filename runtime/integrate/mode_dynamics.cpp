@@ -372,11 +372,15 @@ bool ModeDynamics::stop(double time, double *state) {
   return true;
 }
 
+void ModeDynamics::readSlips(double time, const double *state) {
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Slips);
+}
+
 bool ModeDynamics::slipsGrowSlowly(double time, const double *state) {
   if (slips_.empty())
     return false;
-  at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Slips);
+  readSlips(time, state);
   if (slips_.haveLaunched() || !evaluate(time, state, plus_.data()))
     return false;
   completeRows();
@@ -399,8 +403,10 @@ void ModeDynamics::continueSlips(double duration, double *state, const double *s
   stops_ = nothingStops_;
   for (int pair = 0; pair < slips_.count(); ++pair) {
     stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+    if (slips_.starts(pair))
+      continue;
     const int first = slips_.modelRow(pair);
-    for (int row = first; row < first + 2 && !slips_.starts(pair); ++row)
+    for (int row = first; row < first + 2; ++row)
       wanted[row] = rememberedSlip_[row] + duration * slipRate_[row];
   }
   completeRows();
@@ -408,14 +414,12 @@ void ModeDynamics::continueSlips(double duration, double *state, const double *s
 }
 
 double ModeDynamics::turnToFriction(double time, const double *state) {
-  at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Slips);
+  readSlips(time, state);
   return slips_.turnToFriction();
 }
 
 void ModeDynamics::slipAngles(double time, const double *state, double *angles) {
-  at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Slips);
+  readSlips(time, state);
   slips_.angles(angles);
 }
 
@@ -429,14 +433,12 @@ bool ModeDynamics::evaluateTurned(double time, const double *state, const double
 }
 
 bool ModeDynamics::slipsTurnBack(double time, const double *state) {
-  at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Slips);
+  readSlips(time, state);
   return slips_.turnBack();
 }
 
 void ModeDynamics::turningSlips(double time, const double *state, double *slips) {
-  at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Slips);
+  readSlips(time, state);
   slips_.slips(slips);
 }
 

@@ -161,7 +161,7 @@ public:
   // A slow slip of two components grows from (time, state) on; the slips there and their derivatives by time are remembered.
   bool slipsGrowSlowly(double time, const double *state);
   // One of them is zero there.
-  [[nodiscard]] bool slipsStart() const { return slips_.start(); }
+  [[nodiscard]] bool slipsStart() const { return slips_.anyStarts(); }
   // Moves the velocities of `state`, the last evaluation's point, so that slips of two components are what the remembered ones and their
   // derivatives become within `duration`, zero where they start: along a tangent the motion of what they slip on leaves slips of the second
   // order, in any direction.
@@ -184,6 +184,7 @@ public:
   void resetStatistics() { evaluations_ = 0; }
 
 private:
+  void readSlips(double time, const double *state);
   [[nodiscard]] bool isPrepared(const Mode &mode) const;
   void choose(const Mode &mode, double time, const double *state);
   bool prepare(double time, const double *state);

@@ -84,7 +84,7 @@ bool SlipDirections::watchGrowth(const double *rates) {
   return slow;
 }
 
-bool SlipDirections::start() const {
+bool SlipDirections::anyStarts() const {
   return std::any_of(pairs_.begin(), pairs_.end(), [](const Pair &pair) { return pair.starts; });
 }
 

@@ -47,7 +47,7 @@ public:
   bool watchGrowth(const double *rates);
   // It was zero there, within rounding.
   [[nodiscard]] bool starts(int pair) const { return pairs_[pair].starts; }
-  [[nodiscard]] bool start() const;
+  [[nodiscard]] bool anyStarts() const;
   // The reference directions, two numbers for each. Only those of pairs that start are set.
   void references(double *directions) const;
   void setReferences(const double *directions);

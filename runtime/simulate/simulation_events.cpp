@@ -170,21 +170,20 @@ tf_status Simulation::Implementation::stopFaint(const std::vector<int> &contacts
   return std::any_of(contacts.begin(), contacts.end(), stops) ? stopSlow(contacts, slow) : TF_OK;
 }
 
-// Whether the velocities of a touching contact, once what is as slow has stopped, are what they should be: zero where it is held, not
-// negative, and changed by hardly more than what was stopped. Of redundant contacts some may have to open: where they cannot stop together,
-// one of them would be pressed in or thrown up; and where they are wedged, what slides fast along the wedge would have to stop.
-bool Simulation::Implementation::acceptsStop(int contact, const Mode &resting, const std::vector<double> &gapRates,
+// Whether the velocities of these touching contacts, once what is as slow has stopped, are what they should be: zero where a contact is
+// held, not negative, and changed by hardly more than what was stopped. Of redundant contacts some may have to open: where they cannot stop
+// together, one of them would be pressed in or thrown up; and where they are wedged, what slides fast along the wedge would have to stop.
+bool Simulation::Implementation::acceptsStop(const std::vector<int> &contacts, const Mode &resting, const std::vector<double> &gapRates,
                                              const std::vector<double> &slips, double slow) {
-  constexpr double largestChange = 10;
-  const tf_contact &data = model_.contacts[contact];
-  const double still = selection_.velocityTolerance(state_.data());
-  const double rate = at_.gapRate[contact];
-  if (rate < -still || (resting.closed[contact] && rate > still) || !(std::abs(rate - gapRates[contact]) <= largestChange * slow))
-    return false;
-  for (int row = data.tangent_first; row < data.tangent_first + data.tangent_count; ++row)
-    if (!(std::abs(at_.slip[row] - slips[row]) <= largestChange * slow))
-      return false;
-  return true;
+  const double still = selection_.velocityTolerance(state_.data()), largestChange = 10 * slow;
+  return std::all_of(contacts.begin(), contacts.end(), [&](int i) {
+    const tf_contact &contact = model_.contacts[i];
+    const double rate = at_.gapRate[i];
+    bool accepts = rate >= -still && (!resting.closed[i] || rate <= still) && std::abs(rate - gapRates[i]) <= largestChange;
+    for (int row = contact.tangent_first; row < contact.tangent_first + contact.tangent_count; ++row)
+      accepts = accepts && std::abs(at_.slip[row] - slips[row]) <= largestChange;
+    return accepts;
+  });
 }
 
 // Gap rates and slips of these contacts that are not faster become zero, if they can together. After impacts that the tolerance does not
@@ -215,7 +214,7 @@ tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts,
     return TF_OK;
   at_.setPoint(time_, stopped.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
-  if (!std::all_of(contacts.begin(), contacts.end(), [&](int i) { return acceptsStop(i, resting, gapRates, slips, slow); }))
+  if (!acceptsStop(contacts, resting, gapRates, slips, slow))
     return TF_OK;
   if (sensitivities_ && !sensitivities_->propagate(stop, time_, state_.data()))
     return failSensitivities("the impact");
@@ -422,9 +421,8 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
   SwitchHint hint;
   if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
-  else if (guard.kind == GuardKind::Condition)
-    hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
   if (guard.kind == GuardKind::Condition) {
+    hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
     switchTime_ = time_;
     switchProgress_.changed(guard.index, time_);
   }

@@ -128,8 +128,8 @@ private:
   double projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
   tf_status stopFaint(const std::vector<int> &contacts);
-  [[nodiscard]] bool acceptsStop(int contact, const Mode &resting, const std::vector<double> &gapRates, const std::vector<double> &slips,
-                                 double slow);
+  [[nodiscard]] bool acceptsStop(const std::vector<int> &contacts, const Mode &resting, const std::vector<double> &gapRates,
+                                 const std::vector<double> &slips, double slow);
   tf_status stopSlow(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
   bool switchesFaintly(int j);

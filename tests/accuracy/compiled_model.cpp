@@ -166,6 +166,20 @@ double CompiledModel::eventTime(tf_event_kind kind, int number) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+void differentiateBy(CompiledModel &model, const std::vector<const char *> &names) {
+  if (tf_set_sensitivities(model.simulation(), names.data(), names.size()) != TF_OK) {
+    throw std::runtime_error(tf_error_text(model.simulation()));
+  }
+}
+
+double sensitivity(const CompiledModel &model, const std::string &variable, std::size_t column) {
+  std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
+  if (tf_get_sensitivity(model.simulation(), column, all.data()) != TF_OK) {
+    throw std::runtime_error(tf_error_text(model.simulation()));
+  }
+  return all.at(static_cast<std::size_t>(tf_find(model.simulation(), variable.c_str())));
+}
+
 CsvTable::CsvTable(const std::string &path) {
   std::ifstream file(path);
   std::string line, cell;

@@ -65,6 +65,11 @@ private:
   std::unique_ptr<tf_simulation, Free> simulation_;
 };
 
+// From the next initialise on, derivatives by these variables are computed. Both throw with libtf's error text if they fail.
+void differentiateBy(CompiledModel &model, const std::vector<const char *> &names);
+// Of a variable by the column-th of these names, at the current time.
+[[nodiscard]] double sensitivity(const CompiledModel &model, const std::string &variable, std::size_t column);
+
 // Columns of a CSV file with a header row, by name; text cells are NaN.
 class CsvTable {
 public:

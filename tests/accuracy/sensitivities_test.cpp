@@ -9,16 +9,6 @@
 namespace tf::test {
 namespace {
 
-void differentiateBy(CompiledModel &model, const std::vector<const char *> &names) {
-  ASSERT_EQ(tf_set_sensitivities(model.simulation(), names.data(), names.size()), TF_OK) << tf_error_text(model.simulation());
-}
-
-double sensitivity(CompiledModel &model, const std::string &variable, std::size_t column) {
-  std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
-  EXPECT_EQ(tf_get_sensitivity(model.simulation(), column, all.data()), TF_OK) << tf_error_text(model.simulation());
-  return all[static_cast<std::size_t>(tf_find(model.simulation(), variable.c_str()))];
-}
-
 // Falls from h with the speed v along a rough floor: impact at t1 = sqrt(2h/g), which takes mu·g·t1 of v, then sliding friction mu·g, rest
 // at t2 = v/(mu g), x = v t1 + (v − mu g t1)²/(2 mu g).
 TEST(Sensitivities, OfASlideAfterAnImpactAreThoseOfTheClosedForm) {

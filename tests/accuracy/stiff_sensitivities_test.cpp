@@ -12,16 +12,6 @@ namespace {
 
 constexpr double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10};
 
-void differentiateBy(CompiledModel &model, const std::vector<const char *> &names) {
-  ASSERT_EQ(tf_set_sensitivities(model.simulation(), names.data(), names.size()), TF_OK) << tf_error_text(model.simulation());
-}
-
-double sensitivity(CompiledModel &model, const std::string &variable, std::size_t column) {
-  std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
-  EXPECT_EQ(tf_get_sensitivity(model.simulation(), column, all.data()), TF_OK) << tf_error_text(model.simulation());
-  return all[static_cast<std::size_t>(tf_find(model.simulation(), variable.c_str()))];
-}
-
 // A variable's derivatives at the end by all parameters.
 struct Expected {
   const char *variable;
