@@ -102,6 +102,7 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   ++statistics_.frozen_phases;
   statistics_.breakpoints += impact_.breakpoints();
   const bool slowed = !impact_.isElastic() && (turns || shakes);
+  std::fill(mayStop_.begin(), mayStop_.end(), std::uint8_t{1});
   const tf_status stopped = slowed ? stopSlow(contacts, slow) : turns ? TF_OK : stopFaint(contacts);
   if (stopped != TF_OK)
     return stopped;
@@ -152,20 +153,25 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
 }
 
 // An impact of one of many contacts shakes the others, and these shake one another in hops that last an instant and are lower than any
-// rounding error. Where an impact leaves velocities of touching contacts so far below the tolerance, they end at once.
+// rounding error. Where an impact leaves velocities of touching contacts so far below the tolerance, they end at once. Slips that were
+// there before are no such shaking but a motion, however slow: an impact that stopped it would have it start again, from other forces,
+// which may open the contact for the next impact. At the call slips are those before the impact.
 tf_status Simulation::Implementation::stopFaint(const std::vector<int> &contacts) {
   constexpr double faint = 1e-3;
   if (contacts.size() < 2)
     return TF_OK;
   const double still = selection_.velocityTolerance(state_.data());
   const double slow = faint * integrators_.current().settings().tolerance * velocityScale();
+  std::transform(at_.slip.begin(), at_.slip.end(), mayStop_.begin(), [still](double slip) { return std::abs(slip) <= still; });
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   const auto isFaint = [&](double velocity) { return std::abs(velocity) > still && std::abs(velocity) <= slow; };
   const auto stops = [&](int i) {
     const tf_contact &contact = model_.contacts[i];
-    const double *slip = at_.slip.data() + contact.tangent_first;
-    return isFaint(at_.gapRate[i]) || (std::abs(at_.gapRate[i]) <= still && std::any_of(slip, slip + contact.tangent_count, isFaint));
+    bool any = isFaint(at_.gapRate[i]);
+    for (int row = contact.tangent_first; row < contact.tangent_first + contact.tangent_count && std::abs(at_.gapRate[i]) <= still; ++row)
+      any = any || (mayStop_[row] != 0 && isFaint(at_.slip[row]));
+    return any;
   };
   return std::any_of(contacts.begin(), contacts.end(), stops) ? stopSlow(contacts, slow) : TF_OK;
 }
@@ -186,11 +192,13 @@ bool Simulation::Implementation::acceptsStop(const std::vector<int> &contacts, c
   });
 }
 
-// Gap rates and slips of these contacts that are not faster become zero, if they can together. After impacts that the tolerance does not
-// see those of two components do: they have no direction there that is more than an error, and would start one another again and again.
+// Gap rates and slips (in mayStop_) of these contacts that are not faster become zero, if they can together. After impacts that the
+// tolerance does not see those of two components do: they have no direction there that is more than an error, and would start one another
+// again and again.
 tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts, double slow) {
   Mode &resting = restingMode_;
   resting = mode_;
+  const double still = selection_.velocityTolerance(state_.data());
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   for (const int i : contacts) {
@@ -201,10 +209,10 @@ tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts,
       const int row = contact.tangent_first + k;
       const double speed =
           pair ? std::hypot(at_.slip[contact.tangent_first], at_.slip[contact.tangent_first + 1]) : std::abs(at_.slip[row]);
-      resting.tangent[row] = !resting.closed[i]          ? Tangent::None
-                             : speed <= slow             ? Tangent::Stick
-                             : pair || at_.slip[row] > 0 ? Tangent::SlipPositive
-                                                         : Tangent::SlipNegative;
+      resting.tangent[row] = !resting.closed[i]                        ? Tangent::None
+                             : speed <= (mayStop_[row] ? slow : still) ? Tangent::Stick
+                             : pair || at_.slip[row] > 0               ? Tangent::SlipPositive
+                                                                       : Tangent::SlipNegative;
     }
   }
   const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };

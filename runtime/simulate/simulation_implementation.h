@@ -74,6 +74,7 @@ public:
   std::vector<Transition> transitions_;
   std::vector<int> frozenContacts_, frozenApproaching_;
   Mode restingMode_;
+  std::vector<std::uint8_t> mayStop_;  // nt: slips that may become zero after an impact
   std::vector<double> incoming_, afterImpact_, interpolated_;
 
 private:

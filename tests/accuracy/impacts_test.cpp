@@ -414,5 +414,62 @@ end LivelyBall;
     }
 }
 
+// What slides slowly, with or without friction, is not what an impact elsewhere has shaken, whatever the tolerance is.
+TEST(Impacts, LeaveSlowSlipsAsTheyAre) {
+  const std::string file = sourceFile("creepers.tf", R"(
+model Creepers
+  parameter Real v = 1e-6;
+  coordinate Real x[2](each start = 0, each der(start = v));
+  coordinate Real y[3](start = {0, 0, 1});
+  body creeper[2](each mass = 1, position = {{x[1], y[1]}, {x[2], y[2]}});
+  body ball(mass = 1, position = {-1, y[3]});
+  gravity weight(acceleration = {0, -9.81});
+  force pull(value = 0.4*9.81, at = x[2]);
+  contact floor[2](gap = y[1:2], slip = der(x), friction = {0, 0.4});
+  contact ground(gap = y[3]);
+end Creepers;
+)");
+  for (const double tolerance : {1e-1, 1e-2, 1e-4})
+    for (const tf_integrator integrator : kIntegrators) {
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator).run(1);
+      EXPECT_EQ(model.count(TF_EVENT_IMPACT), 1);
+      EXPECT_NEAR(model["x[1]"], 1e-6, 1e-15) << tolerance;
+      EXPECT_NEAR(model["x[2]"], 1e-6, 1e-15) << tolerance;
+      EXPECT_NEAR(model["der(x[1])"], 1e-6, 1e-15) << tolerance;
+      EXPECT_EQ(model.count(TF_EVENT_STICK), 0) << tolerance;
+    }
+}
+
+// A chain with stiff joint dampers, rods of which creep while others fall onto the floor: no fewer impacts with a smaller tolerance.
+TEST(Impacts, OfAChainAreNotMoreAtLargerTolerances) {
+  const std::string file = sourceFile("long_chain.tf", R"(
+model LongChain
+  parameter Integer n = 50;
+  parameter Real l = 1/n;
+  coordinate Real r[2](start = {0, 0.3}, der(start = {0.5, 0}));
+  coordinate Real phi[n](start = {0.9 - 0.25*(i - 1) for i in 1:n});
+  Real node[n + 1, 2];
+  body rod[n](each mass = 1/n, position = (node[1:n, :] + node[2:n + 1, :])/2, angle = phi, each inertia = l^2/n/12);
+  gravity weight(acceleration = {0, -9.81});
+  force damper[n - 1](value = -0.002*(der(phi[2:n]) - der(phi[1:n - 1])), at = phi[2:n] - phi[1:n - 1]);
+  contact floor[n + 1](gap = node[:, 2], slip = der(node[:, 1]), each friction = 0.5);
+equation
+  node[1, :] = r;
+  for i in 1:n loop
+    node[i + 1, :] = node[i, :] + l*{cos(phi[i]), sin(phi[i])};
+  end for;
+end LongChain;
+)");
+  const auto impacts = [&](double tolerance) {
+    CompiledModel model(file);
+    model.tolerance(tolerance).integrator(TF_AUTO).run(0.45);
+    return model.count(TF_EVENT_IMPACT);
+  };
+  const int fine = impacts(1e-3);
+  for (const double tolerance : {1e-1, 1e-2})
+    EXPECT_LE(impacts(tolerance), fine) << tolerance;
+}
+
 }  // namespace
 }  // namespace tf::test
