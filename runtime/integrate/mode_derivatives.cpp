@@ -8,6 +8,14 @@
 
 namespace tf::runtime {
 
+namespace {
+
+bool areZero(const std::vector<double> &values) {
+  return std::all_of(values.begin(), values.end(), [](double value) { return value == 0; });
+}
+
+}  // namespace
+
 void ModeDynamics::differenceJacobian(double time, const double *state, double *matrix) {
   const int n = size();
   std::copy_n(state, n, shifted_.begin());
@@ -77,9 +85,11 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
       limitChange[j] = owner >= 0 ? at_.frictionByState[rows_.contacts()[owner] * nx + k] * closedForce_[owner]
                                   : at_.boundByState[rows_.tangents()[j] * nx + k];
     }
-    response(forceChange.data(), constraintChange.data(), biasChange.data(), limitChange.data(), column.data());
     double *target = matrix + static_cast<std::ptrdiff_t>(k) * n;
-    std::copy(column.begin(), column.end(), target + model.nq);
+    if (!areZero(forceChange) || !areZero(constraintChange) || !areZero(biasChange) || !areZero(limitChange)) {
+      response(forceChange.data(), constraintChange.data(), biasChange.data(), limitChange.data(), column.data());
+      std::copy(column.begin(), column.end(), target + model.nq);
+    }
     for (int i = 0; i < model.nz; ++i)
       target[model.nq + model.nv + i] = at_.stateRateByState[i * nx + k];
     kinematicColumn(k, target);

@@ -11,8 +11,7 @@ namespace tf::runtime {
 
 Radau::Radau(int size, int stages, Accuracy accuracy)
     : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), stage_(static_cast<std::size_t>(size) * stages),
-      rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), jacobian_(size, size),
-      newtonMatrix_(size * stages, size * stages), residual_(size * stages), factor_(size * stages), errorFactor_(size) {
+      rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), residual_(size * stages) {
   assert(stages >= 1 && stages <= 4);
   for (int i = 0; i < stages; ++i) {
     const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, nodes_[i]));
@@ -22,6 +21,8 @@ Radau::Radau(int size, int stages, Accuracy accuracy)
   const double gamma = 1.0 / (stages * stages);
   const std::vector<double> weights = interpolatoryWeights(nodes_, integralMoments(stages, 1, gamma));
   embedded_.push_back(gamma);
+  equations_ = std::make_unique<StageEquations>(size, coefficients_);
+  errorEquations_ = std::make_unique<StageEquations>(size, std::vector{gamma});
   for (int i = 0; i < stages; ++i)
     embedded_.push_back(weights[i] - coefficients_[(stages - 1) * stages + i]);
   // The estimate has order s + 1, the local error 2s; relative to the scale of the solution the latter is the former to the power
@@ -76,7 +77,7 @@ bool Radau::predictTurning(ModeDynamics &dynamics, double t0, double h, const do
     }
     if (!good)
       break;
-    factor(h);
+    equations_->factorise(h);
     correct(h, scale);
     turn = 0;
     for (int s = 0; s < stages_; ++s) {
@@ -174,37 +175,24 @@ Radau::Iteration Radau::fixedPoint(ModeDynamics &dynamics, double t0, double h, 
   return Iteration::Slow;
 }
 
-// The rows of the stage equations' matrix that belong to a stage, with the Jacobian there.
-void Radau::setBlock(int stage, double h) {
-  for (int row = 0; row < stages_; ++row)
-    newtonMatrix_.block(row * n_, stage * n_, n_, n_) = -h * coefficients_[row * stages_ + stage] * jacobian_;
-}
-
-// The matrix has all its blocks; the Jacobian is that of the error estimate.
-void Radau::factor(double h) {
-  newtonMatrix_.diagonal().array() += 1;
-  factor_.compute(newtonMatrix_);
-  errorFactor_.compute(Eigen::MatrixXd::Identity(n_, n_) - h * embedded_[0] * jacobian_);
-}
-
 bool Radau::factorise(ModeDynamics &dynamics, double t0, double h) {
   // The Jacobian at the element's begin; the last row (tau, a quadrature) is zero.
-  if (!dynamics.evaluate(t0, begin_.data(), point_.data()) || !dynamics.jacobian(t0, begin_.data(), jacobian_.data()))
+  if (!dynamics.evaluate(t0, begin_.data(), point_.data()) || !dynamics.jacobian(t0, begin_.data(), equations_->jacobian(0).data()))
     return false;
   ++jacobians;
-  for (int s = 0; s < stages_; ++s)
-    setBlock(s, h);
-  factor(h);
+  for (int s = 1; s < stages_; ++s)
+    equations_->jacobian(s) = equations_->jacobian(0);
+  equations_->factorise(h);
   return true;
 }
 
 bool Radau::evaluateWithJacobian(ModeDynamics &dynamics, double t0, double h, int s) {
   const double time = t0 + nodes_[s] * h;
   pointOfStage(s);
-  if (!dynamics.evaluate(time, point_.data(), rate_.data() + s * n_) || !dynamics.jacobian(time, point_.data(), jacobian_.data()))
+  if (!dynamics.evaluate(time, point_.data(), rate_.data() + s * n_) ||
+      !dynamics.jacobian(time, point_.data(), equations_->jacobian(s).data()))
     return false;
   ++jacobians;
-  setBlock(s, h);
   return true;
 }
 
@@ -213,7 +201,7 @@ bool Radau::factoriseStages(ModeDynamics &dynamics, double t0, double h) {
   for (int s = 0; s < stages_; ++s)
     if (!evaluateWithJacobian(dynamics, t0, h, s))
       return false;
-  factor(h);
+  equations_->factorise(h);
   return true;
 }
 
@@ -226,7 +214,7 @@ double Radau::correct(double h, const double *scale) {
         sum += coefficients_[s * stages_ + j] * rate_[j * n_ + i];
       residual_[s * n_ + i] = h * sum - stage_[s * n_ + i];
     }
-  residual_ = factor_.solve(residual_).eval();
+  equations_->solve(residual_);
   double change = 0;
   for (int s = 0; s < stages_; ++s)
     for (int i = 0; i < n_; ++i) {
@@ -344,8 +332,12 @@ void Radau::estimateError(const double *f0, double h) {
   }
   // Damps the stiff components, whose errors the explicit f0 exaggerates.
   if (stiff_) {
+    errorEquations_->jacobian(0) = equations_->jacobian(stages_ - 1);
+    errorEquations_->factorise(h);
     Eigen::Map<Eigen::VectorXd> error(error_.data(), n_);
-    error = errorFactor_.solve(error).eval();
+    errorResidual_ = error;
+    errorEquations_->solve(errorResidual_);
+    error = errorResidual_;
   }
 }
 

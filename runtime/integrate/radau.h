@@ -4,8 +4,11 @@
 #pragma once
 
 #include "runtime/integrate/element_method.h"
+#include "runtime/integrate/stage_equations.h"
 
 #include <Eigen/Dense>
+
+#include <memory>
 
 namespace tf::runtime {
 
@@ -49,8 +52,6 @@ private:
   bool factorise(ModeDynamics &dynamics, double t0, double h);
   bool evaluateWithJacobian(ModeDynamics &dynamics, double t0, double h, int s);
   bool factoriseStages(ModeDynamics &dynamics, double t0, double h);
-  void setBlock(int stage, double h);
-  void factor(double h);
   void estimateError(const double *f0, double h);
 
   int stages_;
@@ -66,9 +67,8 @@ private:
   bool hasPast_ = false;
   std::vector<double> pastBegin_, pastStage_;
   double pastH_ = 0;
-  Eigen::MatrixXd jacobian_, newtonMatrix_;
-  Eigen::VectorXd residual_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_, errorFactor_;
+  std::unique_ptr<StageEquations> equations_, errorEquations_;
+  Eigen::VectorXd residual_, errorResidual_;
   bool stiff_ = false;
 };
 

@@ -1,5 +1,7 @@
 #include "runtime/integrate/slip_directions.h"
 
+#include "runtime/integrate/tangent_roles.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -182,11 +184,16 @@ void SlipDirections::differentiate(double time, const double *state) {
   slipByState_.resize(2 * pairs_.size() * columns);
   if (pairs_.empty())
     return;
+  const std::vector<int> owner = contactsOfTangents(model);
+  std::vector<std::uint8_t> contacts(static_cast<std::size_t>(model.nc), 0);
+  for (const Pair &pair : pairs_)
+    if (const int contact = owner[static_cast<std::size_t>(pair.modelRow)]; contact >= 0)
+      contacts[static_cast<std::size_t>(contact)] = 1;
   std::vector<double> point(state, state + at_.stateSize());
   const auto difference = [&](int k, double step, double factor, bool first) {
     point[k] = state[k] + step;
     at_.setPoint(time, point.data());
-    at_.switching(ModelEvaluation::Slips);
+    at_.switching(ModelEvaluation::Slips, contacts.data());
     for (std::size_t p = 0; p < 2 * pairs_.size(); ++p) {
       double &target = slipByState_[p * columns + k];
       target = (first ? 0 : target) + factor * at_.slip[pairs_[p / 2].modelRow + p % 2];
@@ -202,7 +209,7 @@ void SlipDirections::differentiate(double time, const double *state) {
     std::copy_n(at_.tangent.data() + (pairs_[p / 2].modelRow + static_cast<int>(p % 2)) * model.nv, model.nv,
                 slipByState_.data() + p * columns + model.nq);
   at_.setPoint(time, state);
-  at_.switching(ModelEvaluation::Slips);
+  at_.switching(ModelEvaluation::Slips, contacts.data());
 }
 
 void SlipDirections::slips(double *values) const {
