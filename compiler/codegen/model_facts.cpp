@@ -62,6 +62,11 @@ bool massIsConstant(const HybridSystem &system) {
   return !ir::dependsOn(system.graph, system.massProduct.empty() ? system.mass : system.massProduct, variesInARun);
 }
 
+bool flightIsUniform(const HybridSystem &system) {
+  return system.nz == 0 && system.constraintRows.empty() && system.motion.rotations().empty() && massIsConstant(system) &&
+         !ir::dependsOn(system.graph, system.force, variesInARun);
+}
+
 bool frictionVaries(const HybridSystem &system, const Contact &contact) {
   return contact.friction >= 0 && ir::dependsOn(system.graph, contact.friction, variesInARun);
 }

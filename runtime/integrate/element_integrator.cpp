@@ -18,7 +18,7 @@ double smallestStep(double time) { return 16 * epsilon * std::max(std::abs(time)
 }  // namespace
 
 ElementIntegrator::ElementIntegrator(ModeDynamics &dynamics, IntegratorSettings settings, std::unique_ptr<ElementMethod> method)
-    : SmoothIntegrator(dynamics, std::move(settings)), method_(std::move(method)), scale_(n_), trial_(n_), trialRate_(n_) {}
+    : SmoothIntegrator(dynamics, std::move(settings)), method_(std::move(method)), uniform_(n_), scale_(n_), trial_(n_), trialRate_(n_) {}
 
 void ElementIntegrator::start(double time, const double *state, const double *rate, double firstStep) {
   beginTime_ = endTime_ = time;
@@ -27,7 +27,7 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
   next_ = firstStep > 0 ? firstStep : 0;
   error_ = 1;
   first_ = true;
-  moved_ = false;
+  moved_ = isUniform_ = false;
   method_->restart();
   unstableSteps_ = stableSteps_ = 0;
 }
@@ -90,15 +90,37 @@ double ElementIntegrator::stepAccuracy() const { return settings_.fixedStep > 0 
 bool ElementIntegrator::solve(double h, double accuracy) {
   dynamics_.restartMargins();
   method_->setDistance((beginTime_ - switchTime_) / h);
-  return method_->solve(dynamics_, beginTime_, begin_.data(), beginRate_.data(), h, scale_.data(), accuracy);
+  return method().solve(dynamics_, beginTime_, begin_.data(), beginRate_.data(), h, scale_.data(), accuracy);
 }
 
 void ElementIntegrator::adopt(double time) {
   endTime_ = elementEnd_ = time;
-  std::copy_n(method_->end(), n_, end_.begin());
-  std::copy_n(method_->endRate(), n_, endRate_.begin());
+  std::copy_n(method().end(), n_, end_.begin());
+  std::copy_n(method().endRate(), n_, endRate_.begin());
   statistics_.jacobians = method_->jacobians;
   statistics_.iterations = method_->iterations;
+}
+
+// From the begin of the step, which becomes exactly at rest where it is.
+bool ElementIntegrator::startsUniform() {
+  if (settings_.fixedStep > 0)
+    return false;
+  if (dynamics_.isUniform())
+    return true;
+  if (!dynamics_.isHeldAtRest(beginTime_, begin_.data(), beginRate_.data(), scale_.data()))
+    return false;
+  std::fill(beginRate_.begin(), beginRate_.end() - 1, 0.0);
+  return true;
+}
+
+StepStatus ElementIntegrator::moveUniformly(double limit) {
+  moved_ = false;
+  error_ = 0;
+  if (!solve(limit - beginTime_, 0))
+    return StepStatus::Unsolvable;
+  ++statistics_.steps;
+  adopt(limit);
+  return StepStatus::Done;
 }
 
 StepStatus ElementIntegrator::step(double limit) {
@@ -108,6 +130,9 @@ StepStatus ElementIntegrator::step(double limit) {
   begin_ = end_;
   beginRate_ = endRate_;
   updateScale();
+  isUniform_ = startsUniform();
+  if (isUniform_)
+    return moveUniformly(limit);
   const double span = limit - beginTime_;
   const bool fixed = settings_.fixedStep > 0;
   if (fixed)
@@ -161,14 +186,14 @@ bool ElementIntegrator::shorten(double time) {
     return false;
   // Forces without bound between the ends of a step may be where a stage of a shorter one is.
   constexpr double largestError = 1e3;
-  if (settings_.fixedStep <= 0 && !(method_->errorNorm(scale_.data(), settings_.tolerance) <= largestError))
+  if (settings_.fixedStep <= 0 && !(method().errorNorm(scale_.data(), settings_.tolerance) <= largestError))
     return false;
   adopt(time);
   return true;
 }
 
 void ElementIntegrator::interpolate(double time, double *state) {
-  method_->interpolate((time - beginTime_) / (elementEnd_ - beginTime_), state);
+  method().interpolate((time - beginTime_) / (elementEnd_ - beginTime_), state);
 }
 
 }  // namespace tf::runtime

@@ -1,8 +1,10 @@
-// Error-controlled (or fixed-step) integration with a one-step method.
+// Error-controlled (or fixed-step) integration with a one-step method. With error control, motions without accelerations that change are
+// followed in closed form.
 #pragma once
 
 #include "runtime/integrate/element_method.h"
 #include "runtime/integrate/smooth_integrator.h"
+#include "runtime/integrate/uniform_motion.h"
 
 #include <limits>
 #include <memory>
@@ -16,17 +18,19 @@ public:
   void start(double time, const double *state, const double *rate, double firstStep) override;
   StepStatus step(double limit) override;
   bool shorten(double time) override;
+  bool moveInside(double time) override { return isUniform_ ? shorten(time) : SmoothIntegrator::moveInside(time); }
   void interpolate(double time, double *state) override;
   // The interpolant's second derivative is off by its error times a few tens: at 1e-2 of a step beyond the end the state is off by some
   // 1e-3 of the interpolant's error, which is of the order of the tolerance.
   [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-2; }
   [[nodiscard]] bool isExactInside() const override {
-    return settings_.fixedStep <= 0 && error_ <= negligible && !dynamics_.hasTurningSlips();
+    return isUniform_ || (settings_.fixedStep <= 0 && error_ <= negligible && !dynamics_.hasTurningSlips());
   }
-  [[nodiscard]] Quadrature quadrature() const override { return method_->quadrature(); }
-  [[nodiscard]] bool samplesInside() const override { return method_->interiorStages() >= 2; }
+  [[nodiscard]] Quadrature quadrature() const override { return method().quadrature(); }
+  // In uniform motion contact forces are constant.
+  [[nodiscard]] bool samplesInside() const override { return isUniform_ || method_->interiorStages() >= 2; }
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
-  [[nodiscard]] bool isStabilised() const override { return method_->isStabilised(); }
+  [[nodiscard]] bool isStabilised() const override { return method().isStabilised(); }
   // None where the error of the step does not tell; infinity where there was none, so that any step will do while the accelerations stay.
   [[nodiscard]] double suggestedStep() const override {
     return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 || dynamics_.hasTurningSlips() ? next_ : 0;
@@ -43,6 +47,10 @@ private:
   // An error of the step, relative to the tolerance: the motion is a polynomial that the method has no error of but rounding.
   static constexpr double negligible = 1e-4;
 
+  [[nodiscard]] ElementMethod &method() { return isUniform_ ? static_cast<ElementMethod &>(uniform_) : *method_; }
+  [[nodiscard]] const ElementMethod &method() const { return isUniform_ ? static_cast<const ElementMethod &>(uniform_) : *method_; }
+  bool startsUniform();
+  StepStatus moveUniformly(double limit);
   [[nodiscard]] double stepAccuracy() const;
   bool solve(double h, double accuracy);
   void adopt(double time);
@@ -51,6 +59,8 @@ private:
   void watchStability();
 
   std::unique_ptr<ElementMethod> method_;
+  UniformMotion uniform_;
+  bool isUniform_ = false;  // the last step is uniform_'s
   std::vector<double> scale_;
   double next_ = 0;   // suggested length
   double error_ = 0;  // of the last step, relative to the tolerance

@@ -18,13 +18,17 @@ public:
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override {
     return largestError(scale) / tolerance * std::max(1.0, powerError_ / (1 + 0.75 * powerError_ * distance_));
   }
+  // Evaluations of the model in a step, and how far its stability reaches on the negative real axis.
+  [[nodiscard]] int evaluations() const { return static_cast<int>(stageCount_); }
+  [[nodiscard]] double stabilityBorder() const { return stabilityBorder_; }
   // Hairer, Wanner II, IV.2: two evaluations at the end of the step, whose states differ by the local error.
   [[nodiscard]] double stabilityRatio() const override;
 
 protected:
   // `stageCount`: those of the step, of which the last one is at its end; `storedCount`: all that are kept, the rate at the end and those
   // of the dense output with them. `stabilityBorder`: of the stability region, on the negative real axis. `powerError`: of the quadrature
-  // of t^p over [0, 1] for p = 1/2, 3/2, 5/2, the most, in units of its estimate; over [a, a + 1] it is 3/(4 a) and less.
+  // of t^p over [0, 1] for p = 1/2, 3/2, 5/2, the most, in units of its estimate, or 1 where the estimate allows for such steps; over
+  // [a, a + 1] it is 3/(4 a) and less.
   ExplicitMethod(int size, std::size_t stageCount, std::size_t storedCount, std::size_t coefficientCount, double stabilityBorder,
                  double powerError)
       : ElementMethod(size), stages_(static_cast<std::size_t>(size) * storedCount), point_(size),

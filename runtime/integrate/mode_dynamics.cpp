@@ -143,6 +143,62 @@ bool ModeDynamics::prepare(double time, const double *state) {
   return true;
 }
 
+// Neither forces nor what the mode holds at zero depend on time or inputs.
+bool ModeDynamics::isTimeless() const {
+  const tf_model &model = at_.model();
+  if (model.variation == nullptr)
+    return true;
+  const int32_t *gaps = model.variation, *slips = gaps + model.nc, *forces = slips + model.nt + model.ns;
+  const auto varies = [](const int32_t *entries) { return [entries](int i) { return entries[i] != 0; }; };
+  return *forces == 0 && std::none_of(rows_.contacts().begin(), rows_.contacts().end(), varies(gaps)) &&
+         std::none_of(rows_.tangents().begin(), rows_.tangents().end(), varies(slips));
+}
+
+// By the rank of the rows that are zero in the mode, at the last evaluation's point.
+bool ModeDynamics::leavesNoVelocity() {
+  constexpr double independent = 1e-8;
+  const tf_model &model = at_.model();
+  completeRows();
+  std::vector<int> &held = heldRows_;
+  held.clear();
+  for (int i = 0; i < rows_.count(); ++i)
+    if (i < rows_.normalCount() || contactMode_.slip[i - rows_.normalCount()] == 0)
+      held.push_back(i);
+  Eigen::MatrixXd &columns = heldColumns_;
+  columns.resize(model.nv, model.nh + static_cast<Eigen::Index>(held.size()));
+  for (int row = 0; row < model.nh; ++row)
+    columns.col(row) = Eigen::Map<const Eigen::VectorXd>(&at_.constraintJacobian[static_cast<std::size_t>(row) * model.nv], model.nv);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    columns.col(model.nh + static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::VectorXd>(rows_.jacobian(held[i]), model.nv);
+  columns.colwise().normalize();
+  heldFactor_.setThreshold(independent);
+  heldFactor_.compute(columns);
+  return heldFactor_.rank() == model.nv;
+}
+
+bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *rate, const double *scale) {
+  constexpr double rounding = 1e-14;
+  const tf_model &model = at_.model();
+  const auto moves = [&](int i) { return std::abs(rate[i]) > rounding * scale[i]; };
+  for (int i = 0; i < model.nv; ++i)
+    if (std::abs(state[model.nq + i]) > rounding * scale[model.nq + i])
+      return false;
+  for (int i = 0; i < model.nz; ++i)
+    if (moves(model.nq + model.nv + i))
+      return false;
+  int heldRows = model.nh + rows_.normalCount();
+  for (const std::int8_t slip : contactMode_.slip)
+    heldRows += slip == 0 ? 1 : 0;
+  return heldRows >= model.nv && model.nv > 0 && sliding_.empty() && isTimeless() && evaluate(time, state, plus_.data()) &&
+         leavesNoVelocity();
+}
+
+void ModeDynamics::keepEvaluation(double time, const double *state) {
+  isProjected_ = false;
+  correction_ = 0;
+  at_.setPoint(time, state);
+}
+
 bool ModeDynamics::solveForces() {
   if (rows_.count() == 0) {
     at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());

@@ -78,6 +78,14 @@ public:
   // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point.
   bool jacobian(double time, const double *state, double *matrix);
 
+  // The accelerations depend on nothing that changes in the mode, and coordinates change as their velocities.
+  [[nodiscard]] bool isUniform() const { return at_.model().uniform_flight != 0 && rows_.count() == 0; }
+  // Nothing moves at (time, state) with dy/dt = `rate`, to rounding relative to `scale` [n], and as long as the mode lasts nothing will:
+  // constraints and held contacts leave no velocity free.
+  bool isHeldAtRest(double time, const double *state, const double *rate, const double *scale);
+  // Uniform motion, or rest, has led to (time, state): the last evaluation is that of this point as well.
+  void keepEvaluation(double time, const double *state);
+
   // Multipliers of the constraints, into model(), at the last evaluation's point.
   void solveMultipliers();
 
@@ -186,6 +194,8 @@ public:
 private:
   void readSlips(double time, const double *state);
   [[nodiscard]] bool isPrepared(const Mode &mode) const;
+  [[nodiscard]] bool isTimeless() const;
+  [[nodiscard]] bool leavesNoVelocity();
   void choose(const Mode &mode, double time, const double *state);
   bool prepare(double time, const double *state);
   bool evaluateSmall(double time, const double *state, double *rate);
@@ -246,6 +256,9 @@ private:
   // workspaces
   std::vector<int> contacts_, tangents_;
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
+  std::vector<int> heldRows_;
+  Eigen::MatrixXd heldColumns_;
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> heldFactor_;
   Eigen::MatrixXd slidingMatrix_;
   Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;
 };

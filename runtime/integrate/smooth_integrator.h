@@ -55,6 +55,8 @@ public:
   [[nodiscard]] virtual bool samplesInside() const { return false; }
   // The caller has moved the end of the step by a trifle.
   void moveEnd(double time) { endTime_ = time; }
+  // Moves the end of a step that is exact inside to a time there, at which the dynamics is evaluated. False: it cannot be.
+  virtual bool moveInside(double time);
   // While a gap grows from zero its sign depends on errors far below the tolerance: a method whose first steps are of low order must be
   // more accurate then.
   virtual void setCareful(bool /*careful*/) {}

@@ -7,24 +7,20 @@ namespace tf::runtime {
 
 namespace {
 
-// Of h times the bound of the spectral radius. The pair is stable up to 3.3 times the radius itself: this is so far inside that what it
-// does not resolve dies out, and its error tells whether longer steps would do.
-constexpr double pairBorder = 3.3;
-// Evaluations of the pair in a step.
-constexpr int pairStages = 6;
 // Steps at the border of stability that tell stiffness. Fewer than where CVODE takes over (Hairer, Wanner, Solving Ordinary Differential
 // Equations II, IV.2): nothing is lost where they are wrong.
 constexpr int leastPatience = 8, mostPatience = 10000;
 constexpr int leastPause = 4, mostPause = 1000;
-// So far the step must reach, that it is ROCK4's.
-constexpr double leastRock = 4;
+// So far beyond the pair's border a step must reach, that it is ROCK4's.
+constexpr double leastRock = 1.2;
 // The Jacobian changes slowly along the motion (Abdulle 2002).
 constexpr int stepsPerEstimate = 25;
 
 }  // namespace
 
-StabilisedPair::StabilisedPair(int size)
-    : DormandPrince(size), rock_(size), radius_(size), patience_(leastPatience), pause_(leastPause), pauseLeft_(0) {}
+StabilisedPair::StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair)
+    : ElementMethod(size), pair_(std::move(pair)), border_(pair_->stabilityBorder()), rock_(size), radius_(size), patience_(leastPatience),
+      pause_(leastPause), pauseLeft_(0) {}
 
 void StabilisedPair::forget() {
   radius_.forget();
@@ -39,7 +35,7 @@ void StabilisedPair::forget() {
 double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) {
   mayRock_ = isAdjusted_ = false;
   isDamped_ = isKnown_ && !dynamics.hasTurningSlips();
-  if (!isDamped_ || (radius_.isKnown() && h * radius_.bound() <= pairBorder))
+  if (!isDamped_ || (radius_.isKnown() && h * radius_.bound() <= border_))
     return h;
   if (needsEstimate(h)) {
     radius_.estimate(dynamics, t0, y0, f0, scale);
@@ -53,11 +49,11 @@ double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, c
     return h;
   }
   const double reach = h * radius_.bound();
-  if (reach <= pairBorder)
+  if (reach <= border_)
     return h;
   isAdjusted_ = true;
-  mayRock_ = pauseLeft_ == 0 && reach >= leastRock;
-  return std::min(h, (mayRock_ ? Rock4::border() : pairBorder) / radius_.bound());
+  mayRock_ = pauseLeft_ == 0 && reach >= leastRock * border_;
+  return std::min(h, (mayRock_ ? Rock4::border() : border_) / radius_.bound());
 }
 
 // The largest eigenvalue seldom grows much from mode to mode: contacts that close make it smaller. Steps of many stages are worth an
@@ -72,20 +68,21 @@ bool StabilisedPair::needsEstimate(double h) const {
 bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                            double accuracy) {
   length_ = h;
-  isRock_ = mayRock_ && h * radius_.bound() > pairBorder;
-  if (!isRock_)
-    return DormandPrince::solve(dynamics, t0, y0, f0, h, scale, accuracy);
-  rock_.setRadius(radius_.bound());
-  if (!rock_.solve(dynamics, t0, y0, f0, h, scale, accuracy))
+  isRock_ = mayRock_ && h * radius_.bound() > border_;
+  if (isRock_)
+    rock_.setRadius(radius_.bound());
+  ElementMethod &method = isRock_ ? static_cast<ElementMethod &>(rock_) : *pair_;
+  method.setDistance(distance_);
+  if (!method.solve(dynamics, t0, y0, f0, h, scale, accuracy))
     return false;
-  std::copy_n(rock_.end(), n_, end_.begin());
-  std::copy_n(rock_.endRate(), n_, endRate_.begin());
+  std::copy_n(method.end(), n_, end_.begin());
+  std::copy_n(method.endRate(), n_, endRate_.begin());
   return true;
 }
 
 // The error of a step that is not stable is in the direction that the radius is wrong for.
 void StabilisedPair::reject(const double *scale) {
-  wasted_ += isRock_ ? rock_.interiorStages() + 1 : pairStages;
+  wasted_ += isRock_ ? rock_.interiorStages() + 1 : pair_->evaluations();
   if (!isRock_)
     return;
   radius_.suspect(rock_.error(), scale);
@@ -98,17 +95,17 @@ void StabilisedPair::finish() {
     judge();
   } else {
     pauseLeft_ = std::max(pauseLeft_ - 1, 0);
-    borderSteps_ = DormandPrince::stabilityRatio() > 0.8 ? borderSteps_ + 1 : std::max(borderSteps_ - 1, 0);
+    borderSteps_ = pair_->stabilityRatio() > 0.8 ? borderSteps_ + 1 : std::max(borderSteps_ - 1, 0);
     isKnown_ = isKnown_ || borderSteps_ >= patience_;
   }
   adjustedSteps_ += isAdjusted_ ? 1 : 0;
   wasted_ = 0;
 }
 
-// Time per evaluation against that of the pair at its border. Where accuracy limits the steps, order 5 is better.
+// Time per evaluation against that of the pair at its border. Where accuracy limits the steps, the pair's order is better.
 void StabilisedPair::judge() {
   const double own = length_ * radius_.bound() / (rock_.interiorStages() + 1 + wasted_);
-  if (own >= pairBorder / pairStages) {
+  if (own >= border_ / pair_->evaluations()) {
     pause_ = leastPause;
     patience_ = leastPatience;
   } else {
@@ -117,22 +114,7 @@ void StabilisedPair::judge() {
   }
 }
 
-void StabilisedPair::interpolate(double theta, double *y) const {
-  if (isRock_)
-    rock_.interpolate(theta, y);
-  else
-    DormandPrince::interpolate(theta, y);
-}
-
-double StabilisedPair::errorNorm(const double *scale, double tolerance) const {
-  return isRock_ ? rock_.errorNorm(scale, tolerance) : DormandPrince::errorNorm(scale, tolerance);
-}
-
-double StabilisedPair::errorOrder() const { return isRock_ ? rock_.errorOrder() : DormandPrince::errorOrder(); }
-
-int StabilisedPair::interiorStages() const { return isRock_ ? rock_.interiorStages() : DormandPrince::interiorStages(); }
-
 // Where ROCK4 would take longer steps, if they were as accurate, stability does not limit those of the pair.
-double StabilisedPair::stabilityRatio() const { return isRock_ ? rock_.stabilityRatio() : isDamped_ ? 0 : DormandPrince::stabilityRatio(); }
+double StabilisedPair::stabilityRatio() const { return isRock_ ? rock_.stabilityRatio() : isDamped_ ? 0 : pair_->stabilityRatio(); }
 
 }  // namespace tf::runtime

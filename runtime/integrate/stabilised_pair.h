@@ -1,16 +1,18 @@
-// The pair of Dormand and Prince, and ROCK4 for those steps that its stability would shorten: both are one-step methods, so that every step
-// may be the one's or the other's. Damping that is stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
+// An explicit pair, and ROCK4 for those steps that its stability would shorten: both are one-step methods, so that every step may be the
+// one's or the other's. Damping that is stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
 #pragma once
 
-#include "runtime/integrate/dormand_prince.h"
+#include "runtime/integrate/explicit_method.h"
 #include "runtime/integrate/rock4.h"
 #include "runtime/integrate/spectral_radius.h"
 
+#include <memory>
+
 namespace tf::runtime {
 
-class StabilisedPair final : public DormandPrince {
+class StabilisedPair final : public ElementMethod {
 public:
-  explicit StabilisedPair(int size);
+  StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair);
 
   void forget() override;
   void restart() override {
@@ -22,10 +24,10 @@ public:
              double accuracy) override;
   void reject(const double *scale) override;
   void finish() override;
-  void interpolate(double theta, double *y) const override;
-  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
-  [[nodiscard]] double errorOrder() const override;
-  [[nodiscard]] int interiorStages() const override;
+  void interpolate(double theta, double *y) const override { current().interpolate(theta, y); }
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return current().errorNorm(scale, tolerance); }
+  [[nodiscard]] double errorOrder() const override { return current().errorOrder(); }
+  [[nodiscard]] int interiorStages() const override { return current().interiorStages(); }
   [[nodiscard]] double stabilityRatio() const override;
   [[nodiscard]] bool isStabilised() const override { return isRock_; }
 
@@ -33,6 +35,10 @@ private:
   [[nodiscard]] bool needsEstimate(double h) const;
   void judge();
 
+  [[nodiscard]] const ElementMethod &current() const { return isRock_ ? static_cast<const ElementMethod &>(rock_) : *pair_; }
+
+  std::unique_ptr<ExplicitMethod> pair_;
+  double border_;  // of the pair, for h times the bound of the radius: what is not resolved there dies out
   Rock4 rock_;
   SpectralRadius radius_;
   bool isKnown_ = false;        // damping has been found stiff, and radius_ is what it was last

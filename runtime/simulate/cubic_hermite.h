@@ -35,9 +35,15 @@ struct CubicHermite {
     return s > 0 && s < 1 ? value(s) : std::numeric_limits<double>::infinity();
   }
 
-  // The place in (0, 1) where the cubic falls through zero for the last time before its end, which is negative and falling: Newton's method
-  // from there, to 1e-10 or so. −1: it does not converge.
+  // The place in (0, 1) where the cubic falls through zero for the last time before its end, which is negative and falling: that of a
+  // parabola where it is one, else by Newton's method from there, to 1e-10 or so. −1: it does not converge.
   [[nodiscard]] double lastZero() const {
+    constexpr double rounding = 1e-14;
+    const double start = length * beginSlope, bend = end - begin - start;
+    if (std::abs(2 * (begin - end) + length * (beginSlope + endSlope)) <= rounding * std::abs(bend) && bend < 0) {
+      const double root = std::sqrt(start * start - 4 * bend * begin);
+      return start > 0 ? (start + root) / (-2 * bend) : 2 * begin / (root - start);
+    }
     double s = 1;
     for (int k = 0; k < 12; ++k) {
       const double rise = slope(s), step = -value(s) / rise;

@@ -115,10 +115,10 @@ bool EventDetection::moveInside(DetectedEvent &event) {
     // The other side of a switch that slides becomes consistent only where its step variable has left the interval.
     const bool isBefore = (g.kind == GuardKind::StepLow || g.kind == GuardKind::StepHigh) && value > 0;
     if ((std::abs(step) <= resolution && !isBefore) || (g.kind == GuardKind::Force && std::abs(value) <= 1e-13 * g.scale)) {
+      if (g.kind == GuardKind::Gap && x + step > begin)
+        x = std::min(x + step, event.high);
       event.time = x;
-      std::copy(state_.begin(), state_.end(), integrator_->end());
-      integrator_->moveEnd(x);
-      return dynamics_.evaluate(x, integrator_->end(), integrator_->endRate());
+      return integrator_->moveInside(x);
     }
     x += isBefore ? std::max(step, 0.5 * resolution) : step;
     if (!(x > begin && x <= event.high))

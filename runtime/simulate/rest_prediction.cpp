@@ -23,8 +23,8 @@ constexpr double shortestWait = 2, longestWait = 1e3;
 // so many impacts are let pass at most.
 constexpr int longestPause = 15;
 constexpr std::size_t mostPredictions = 6;
-// The next prediction is made when this share of the time is left.
-constexpr double nextShare = 0.5, leastChange = 0.75;
+// The next prediction is made when this share of the time is left: no usual coefficient of restitution, or rounding would decide.
+constexpr double nextShare = 0.51, leastChange = 0.75;
 
 // Weights that extrapolate values at x to 0, for the powers 1, x², x³, …
 Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {

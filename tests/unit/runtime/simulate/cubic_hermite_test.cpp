@@ -31,6 +31,9 @@ TEST(CubicHermite, FindsItsInteriorMinimum) {
 
 TEST(CubicHermite, FindsItsLastZero) {
   EXPECT_NEAR(1.2 + 1.2 * between(1.2, 2.4).lastZero(), 2, 1e-9);
+  // Parabolas 3 + 2 x − x² and 1 − 2 x − x², to rounding.
+  EXPECT_NEAR((5 * CubicHermite{3, 2, -12, -8, 5}.lastZero()), 3, 1e-15 * 8);
+  EXPECT_NEAR((2 * CubicHermite{1, -2, -7, -6, 2}.lastZero()), std::sqrt(2.0) - 1, 1e-15);
   // It rises at the end.
   EXPECT_EQ(between(3.5, 3.9).lastZero(), -1);
 }

@@ -1,0 +1,28 @@
+// Elements of motions whose accelerations are constant: parabolas, exact over any length.
+#pragma once
+
+#include "runtime/integrate/element_method.h"
+
+namespace tf::runtime {
+
+class UniformMotion final : public ElementMethod {
+public:
+  explicit UniformMotion(int size) : ElementMethod(size), begin_(size), rate_(size) {}
+
+  void restart() override {}
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
+             double accuracy) override;
+  void interpolate(double theta, double *y) const override { at(theta * h_, y); }
+  [[nodiscard]] double errorNorm(const double * /*scale*/, double /*tolerance*/) const override { return 0; }
+  [[nodiscard]] double errorOrder() const override { return 1; }
+  [[nodiscard]] int interiorStages() const override { return 0; }
+
+private:
+  void at(double time, double *y) const;
+
+  std::vector<double> begin_, rate_;
+  int nq_ = 0, nv_ = 0;
+  double h_ = 0;
+};
+
+}  // namespace tf::runtime

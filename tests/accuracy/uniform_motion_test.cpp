@@ -1,0 +1,140 @@
+// Free flight with constant accelerations and rest that nothing can end are followed in closed form: exact over any time, and without
+// evaluations of the model on the way.
+#include "tests/accuracy/compiled_model.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <string>
+
+namespace tf::test {
+namespace {
+
+long long evaluations(const CompiledModel &model) { return tf_get_statistics(model.simulation())->evaluations; }
+
+// A body that is thrown in the plane, with couplings in M, and lands on a slope after a long time.
+std::string thrown() {
+  return sourceFile("thrown.tf", R"(
+model Thrown
+  coordinate Real s[3](start = {0, 100, 0}, der(start = {30, 200, 3}));
+  body base(mass = 2, position = {s[1], s[2]});
+  body load(mass = 1, position = {s[1] + s[2], s[2] + 2*s[3]}, angle = s[3], inertia = 0.3);
+  gravity weight(acceleration = {0, -9.81});
+  force wind(value = {0.5, 0}, at = {s[1], s[2]});
+  contact slope(gap = s[2] + 0.1*s[1], restitution = 0.5);
+end Thrown;
+)");
+}
+
+TEST(UniformMotion, FlightIsExact) {
+  CompiledModel model(thrown());
+  ASSERT_EQ(model.model().uniform_flight, 1);
+  model.tolerance(1e-4).run(0.5);
+  // M a = f by hand, with J = [[1, 1, 0], [0, 1, 2]] of the load.
+  const double a00 = 3, a01 = 1, a11 = 4, a12 = 2, a22 = 4.3, g = 9.81;
+  const double f0 = 0.5, f1 = -3 * g, f2 = -2 * g;
+  // Elimination of the first and the last row.
+  const double d = a11 - a01 * a01 / a00 - a12 * a12 / a22, second = (f1 - a01 * f0 / a00 - a12 * f2 / a22) / d;
+  const double first = (f0 - a01 * second) / a00, third = (f2 - a12 * second) / a22;
+  const auto at = [](double start, double velocity, double acceleration, double t) {
+    return start + t * (velocity + 0.5 * t * acceleration);
+  };
+  EXPECT_NEAR(model["s[1]"], at(0, 30, first, 0.5), 1e-12);
+  EXPECT_NEAR(model["s[2]"], at(100, 200, second, 0.5), 1e-12 * 200);
+  EXPECT_NEAR(model["s[3]"], at(0, 3, third, 0.5), 1e-12);
+  const long long before = evaluations(model);
+  model.advance(10);
+  model.advance(20);
+  EXPECT_EQ(evaluations(model), before);
+  // The first impact: the positive zero of a parabola.
+  const double p = 0.5 * (second + 0.1 * first), q = 200 + 3.0, r = 100;
+  const double impact = (-q - std::sqrt(q * q - 4 * p * r)) / (2 * p);
+  model.advance(impact + 1);
+  ASSERT_GE(model.count(TF_EVENT_IMPACT), 1);
+  EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), impact, 1e-12 * impact);
+}
+
+// States beside the coordinates, forces that depend on anything that changes, and constraints: not uniform.
+TEST(UniformMotion, FlightWithVaryingForcesIsIntegrated) {
+  const std::string head = "model M\n  coordinate Real x(start = 1);\n  body b(mass = 1, position = x);\n";
+  for (const char *more : {"  force f(value = -x, at = x);\n", "  force f(value = time, at = x);\n",
+                           "  force f(value = -der(x), at = x);\n", "  input Real u;\n  force f(value = u, at = x);\n",
+                           "  force f(value = if x > 0 then 1 else 2, at = x);\n", "  Real z(start = 1);\nequation\n  der(z) = -z;\n"}) {
+    CompiledModel model(sourceFile("varying_flight.tf", head + more + "end M;\n"));
+    EXPECT_EQ(model.model().uniform_flight, 0) << more;
+  }
+}
+
+// A box that slides on a rough floor comes to rest on two corners; a push begins at t = 50.
+TEST(UniformMotion, RestLastsUntilSomethingPushes) {
+  CompiledModel model(sourceFile("resting_box.tf", R"(
+model Resting
+  coordinate Real r[2](start = {0, 0.3}, der(start = {1, 0}));
+  coordinate Real phi;
+  body box(mass = 2, position = r, angle = phi, inertia = 0.2);
+  gravity weight(acceleration = {0, -9.81});
+  force push(value = if time > 50 then 20 else 0, at = r[1]);
+  contact corner[2](gap = {r[2] - 0.5*sin(phi) - 0.3*cos(phi), r[2] + 0.5*sin(phi) - 0.3*cos(phi)},
+    slip = {der(r[1] - 0.5*cos(phi) + 0.3*sin(phi)), der(r[1] + 0.5*cos(phi) + 0.3*sin(phi))}, each friction = 0.4);
+end Resting;
+)"));
+  model.tolerance(1e-8).run(20);
+  const double stop = 0.5 / (0.4 * 9.81);
+  EXPECT_NEAR(model["r[1]"], stop, 1e-9);
+  const double x = model["r[1]"], y = model["r[2]"];
+  const long long before = evaluations(model);
+  for (int k = 1; k <= 100; ++k)
+    model.advance(20 + 0.29 * k);
+  // What it rests on is looked up, where the step begins: no stages.
+  EXPECT_LE(evaluations(model) - before, 200);
+  EXPECT_EQ(model["r[1]"], x);
+  EXPECT_EQ(model["r[2]"], y);
+  EXPECT_NEAR(model["corner[1].normalForce"] + model["corner[2].normalForce"], 2 * 9.81, 1e-12);
+  model.advance(51);
+  EXPECT_NEAR(model["r[1]"], x + 0.5 * (10 - 0.4 * 9.81), 1e-8);
+}
+
+// A velocity of zero is no rest where the motion is not held, or where what holds it moves.
+TEST(UniformMotion, AnInstantWithoutVelocityIsNoRest) {
+  CompiledModel pendulum(sourceFile("upright.tf", R"(
+model Upright
+  coordinate Real phi(start = 1e-6);
+  body bob(mass = 1, position = {sin(phi), cos(phi)});
+  gravity weight(acceleration = {0, -10});
+end Upright;
+)"));
+  pendulum.tolerance(1e-10).run(2);
+  EXPECT_NEAR(pendulum["phi"], 1e-6 * std::cosh(2 * std::sqrt(10.0)), 1e-9);
+  CompiledModel lift(sourceFile("lift.tf", R"(
+model Lift
+  coordinate Real y;
+  body load(mass = 1, position = {0, y});
+  gravity weight(acceleration = {0, -10});
+  contact floor(gap = y - 0.01*(1 - cos(10*time)));
+end Lift;
+)"));
+  lift.tolerance(1e-10).run(3);
+  EXPECT_NEAR(lift["y"], 0.01 * (1 - std::cos(30.0)), 1e-10);
+  EXPECT_NEAR(lift["floor.normalForce"], 10 + std::cos(30.0), 1e-7);
+}
+
+// A sphere on a rough floor in space: rolling is free, so that only friction against turning could hold it; a box is held.
+TEST(UniformMotion, InSpaceRestIsWhatIsHeld) {
+  CompiledModel sphere(sourceFile("sphere_at_rest.tf", R"(
+model Sphere
+  coordinate Real r[3](start = {0, 0, 0.1});
+  coordinate Rotation Q "orientation";
+  Real w[3] = Q*Q.w;
+  body ball(mass = 1, position = r, orientation = Q, inertia = 0.004*identity(3));
+  gravity weight(acceleration = {0, 0, -9.81});
+  force push(value = if time > 10 then {1, 0, 0} else {0, 0, 0}, at = r);
+  contact floor(gap = r[3] - 0.1, slip = {der(r[1]) - 0.1*w[2], der(r[2]) + 0.1*w[1]}, friction = 0.5);
+end Sphere;
+)"));
+  sphere.tolerance(1e-9).run(9);
+  EXPECT_EQ(sphere["r[1]"], 0);
+  sphere.advance(11);
+  EXPECT_NEAR(sphere["r[1]"], 0.5 / (1 + 0.4), 1e-8);
+}
+
+}  // namespace
+}  // namespace tf::test
