@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 
 namespace tf::runtime {
 
@@ -11,6 +12,7 @@ namespace {
 
 // Zeros are looked for in so many entries at once.
 constexpr int chunk = 8;
+constexpr double goldenRatio = 1.618033988749895;
 
 bool allZero(const double *x) {
   bool zero = true;
@@ -37,6 +39,20 @@ int trailingZeros(const double *x, int count) {
   return count - k;
 }
 
+double largestOf(const double *x, int count) {
+  double largest = 0;
+  for (int k = 0; k < count; ++k)
+    largest = std::max(largest, std::abs(x[k]));
+  return largest;
+}
+
+bool areClose(const double *x, const double *y, int count, double accepted) {
+  for (int k = 0; k < count; ++k)
+    if (!(std::abs(x[k] - y[k]) <= accepted))
+      return false;
+  return true;
+}
+
 }  // namespace
 
 void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem) {
@@ -49,6 +65,9 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   mobility_ = nullptr;  // until the rows are assembled: those of before are no more
   sum_.resize(nv_);
   zero_.resize(nv_);
+  hasTwins_ = false;
+  if (nv_ > narrow)
+    prepareTwins();
   begin_.assign(count(), 0);
   end_.assign(count(), nv_);
   contactOf_.clear();
@@ -72,10 +91,36 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   }
 }
 
+void RowSystem::prepareTwins() {
+  twin_.resize(count());
+  mark_.resize(count());
+  first_.reserve(count());
+  twinForce_.resize(count());
+  while (static_cast<int>(marker_.size()) < nv_)
+    marker_.push_back(1 + std::fmod(goldenRatio * static_cast<double>(marker_.size()), 1.0));
+}
+
+// Only rows are compared whose products with a vector of no regularity are equal, too. A pair that is missed costs time only.
+void RowSystem::findTwin(int i) {
+  constexpr double rounding = 1e-15, similar = 1e-13;
+  const double *row = jacobian(i);
+  twin_[i] = i;
+  mark_[i] = dot(row + begin_[i], marker_.data() + begin_[i], end_[i] - begin_[i]);
+  for (const int other : first_)
+    if (std::abs(mark_[i] - mark_[other]) <= similar * std::abs(mark_[i]) &&
+        areClose(row, jacobian(other), nv_, rounding * largestOf(row, nv_))) {
+      twin_[i] = other;
+      return;
+    }
+  first_.push_back(i);
+}
+
 // Rows are read as a whole where that costs no more than looking for their zeros.
 void RowSystem::gatherRows(const ModelEvaluation &at) {
   const int n = normalCount();
   const int m = count();
+  if (nv_ > narrow)
+    first_.clear();
   for (int i = 0; i < m; ++i) {
     double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
     if (i < n || side_[i - n] == 0) {
@@ -89,7 +134,10 @@ void RowSystem::gatherRows(const ModelEvaluation &at) {
     }
     begin_[i] = nv_ > narrow ? leadingZeros(row, nv_) : 0;
     end_[i] = nv_ > narrow ? nv_ - trailingZeros(row + begin_[i], nv_ - begin_[i]) : nv_;
+    if (nv_ > narrow)
+      findTwin(i);
   }
+  hasTwins_ = nv_ > narrow && static_cast<int>(first_.size()) < m;
 }
 
 void RowSystem::gatherLimits(const ModelEvaluation &at, ContactRows &rows) const {
@@ -183,9 +231,27 @@ void RowSystem::multiply(DenseMatrix &delassus) {
         delassus(parts[b].row, parts[a].row) += dot(half_.data() + left, scaled_.data() + right, end - first);
       }
   }
-  for (int j = 0; j < m; ++j)
+  if (hasTwins_)
+    copyTwins(delassus);
+  else
+    for (int j = 0; j < m; ++j)
+      for (int i = 0; i < j; ++i)
+        delassus(j, i) = delassus(i, j);
+}
+
+// What is above the diagonal, of the first of equal rows, to everywhere else.
+void RowSystem::copyTwins(DenseMatrix &delassus) const {
+  const int m = count();
+  for (const int j : first_)
     for (int i = 0; i < j; ++i)
       delassus(j, i) = delassus(i, j);
+  for (int i = 0; i < m; ++i)
+    if (twin_[i] != i)
+      for (const int j : first_)
+        delassus(i, j) = delassus(twin_[i], j);
+  for (int j = 0; j < m; ++j)
+    if (twin_[j] != j)
+      std::copy_n(delassus.column(twin_[j]), m, delassus.column(j));
 }
 
 void RowSystem::respond(const ModelEvaluation &at, DenseMatrix &delassus) {
@@ -194,8 +260,12 @@ void RowSystem::respond(const ModelEvaluation &at, DenseMatrix &delassus) {
   for (std::vector<Part> &parts : parts_)
     parts.clear();
   panels_.resize(parts_.size());
-  for (int i = 0; i < count(); ++i)
-    halve(i);
+  if (hasTwins_)
+    for (const int i : first_)
+      halve(i);
+  else
+    for (int i = 0; i < count(); ++i)
+      halve(i);
   for (int block = 0; block < static_cast<int>(parts_.size()); ++block)
     if (isPanel(block) && !parts_[block].empty())
       halvePanel(block);
@@ -245,9 +315,21 @@ bool RowSystem::addPanel(int block, const double *forces) const {
   return any;
 }
 
+// The forces with those of equal rows on the first of them.
+const double *RowSystem::sumOverTwins(const double *forces) const {
+  if (!hasTwins_)
+    return forces;
+  std::copy_n(forces, count(), twinForce_.begin());
+  for (int i = 0; i < count(); ++i)
+    if (twin_[i] != i)
+      twinForce_[twin_[i]] += forces[i];
+  return twinForce_.data();
+}
+
 void RowSystem::accelerate(const double *forces, double *acceleration) const {
   if (mobility_ == nullptr)
     return;
+  forces = sumOverTwins(forces);
   std::fill(sum_.begin(), sum_.end(), 0.0);
   bool any = false;
   for (std::size_t block = 0; block < parts_.size(); ++block) {

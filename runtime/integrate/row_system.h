@@ -1,6 +1,8 @@
 // Contact rows in the metric of the mass matrix: J, D = J W Jᵀ and φ = J W f + bias (theory.md section 1) for a choice of rows. Rows are
 // taken through half of the factorisation only, Z = L⁻¹ P Jᵀ, on the blocks of the mass matrix that they move: D = Zᵀ Δ⁻¹ Z, and W Jᵀ λ is
 // one second half for all rows together.
+//
+// Bodies that lie flat have several contacts that slip as one: rows that are equal to rounding go through the factorisation once.
 #pragma once
 
 #include "runtime/contact/contact_problem.h"
@@ -33,7 +35,7 @@ public:
   }
   void gatherRows(const ModelEvaluation &at);
   void gatherLimits(const ModelEvaluation &at, ContactRows &rows) const;
-  // Z and D, of the rows gathered at the same point.
+  // Z and D, of the rows gathered at the same point. Equal rows have equal entries.
   void respond(const ModelEvaluation &at, DenseMatrix &delassus);
   // bias_i = J_i · acceleration + bias of the row
   void bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const;
@@ -89,6 +91,10 @@ private:
     std::vector<double> half, scaled;
   };
 
+  void prepareTwins();
+  void findTwin(int i);
+  void copyTwins(DenseMatrix &delassus) const;
+  const double *sumOverTwins(const double *forces) const;
   void halve(int i);
   [[nodiscard]] bool isPanel(int block) const { return !mobility_->isConstrained() && mobility_->mass().isLarge(block); }
   void halvePanel(int block);
@@ -102,10 +108,14 @@ private:
   std::vector<double> half_, scaled_;     // Zᵀ and Zᵀ Δ⁻¹, alike; undefined on blocks that the row does not move
   std::vector<std::vector<Part>> parts_;  // of blocks, rows ascending
   std::vector<int> begin_, end_;          // columns of J's rows outside which all is zero
+  bool hasTwins_ = false;                 // rows gathered last are equal to others
+  std::vector<int> twin_;                 // of a row: the first row that is equal to it
+  std::vector<int> first_;                // rows that are equal to none before
+  std::vector<double> marker_, mark_;     // nv; of a row: its product with the marker
   std::vector<Panel> panels_;             // of blocks
   std::vector<double> product_;           // of panels
   std::vector<double> zero_;              // a row
-  mutable std::vector<double> panelForce_;
+  mutable std::vector<double> panelForce_, twinForce_;
   mutable std::vector<double> sum_;  // workspaces: nv
 };
 
