@@ -28,7 +28,10 @@ void EventDetection::setIntegrator(SmoothIntegrator &integrator) {
   integrator_ = &integrator;
   startsToRounding_ = integrator.startsToRounding();
   error_ = integrator.startingError();
-  forceError_ = std::max(1e-9, integrator.settings().tolerance);
+  // Forces are functions of the state, and what they are off by is no larger because the state may be: one that pulls is an error that
+  // shows.
+  constexpr double leastForceError = 1e-9, largestForceError = 1e-5;
+  forceError_ = std::clamp(integrator.settings().tolerance, leastForceError, largestForceError);
 }
 
 // Magnitude below which a guard that starts at zero has not clearly left it: the integrator's error.
