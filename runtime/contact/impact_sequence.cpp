@@ -65,6 +65,9 @@ struct ImpactSequence::Workspace {
   std::vector<double> gap, velocity, acceleration, force;
   std::vector<double> start, outerStart;  // values at the begin of the current entry
   std::vector<int> rows, tangents;        // of the closed or impacting contacts
+  std::vector<std::uint8_t> coupled;      // n × n: contacts whose forces move each other
+  std::vector<int> reached;               // by the impulses of an impact
+  std::vector<std::uint8_t> isReached;    // n
   std::vector<double> closedForce, closedRate;
   std::vector<std::vector<int>> innerHits, outerHits;  // contacts with impacts of each entry; the last are those of the current one
   std::vector<double> lastHit;                         // n: time of the last impact
@@ -81,6 +84,8 @@ struct ImpactSequence::Workspace {
   [[nodiscard]] int count() const { return problem->count(); }
   void begin(const SequenceProblem &at);
   void chooseRows(bool resting);
+  void findCoupled();
+  void keepReached();
   void resetTail(BreakpointTail &tail) const;
   [[nodiscard]] std::vector<double> values() const;
   void addEntry(BreakpointTail &tail, std::vector<double> &from, int symbol);
@@ -114,6 +119,7 @@ void ImpactSequence::Workspace::begin(const SequenceProblem &at) {
   lastHit.assign(n(), -infinity);
   fastest = 0;
   flights.clear();
+  findCoupled();
   resetTail(inner);
   resetTail(outer);
   start = outerStart = values();
@@ -144,13 +150,43 @@ void ImpactSequence::Workspace::addEntry(BreakpointTail &tail, std::vector<doubl
   from = std::move(now);
 }
 
-// Contacts with gap 0 (`resting`: that do not open either) and their tangential rows; resting contacts come with the friction elements.
+void ImpactSequence::Workspace::findCoupled() {
+  coupled.assign(static_cast<std::size_t>(n()) * n(), 0);
+  const auto contactOf = [this](int r) { return r < n() ? r : problem->owner[r - n()]; };
+  for (int c = 0; c < count(); ++c)
+    for (int r = 0; r < count(); ++r)
+      if (const int a = contactOf(r), b = contactOf(c); a >= 0 && b >= 0 && problem->delassus(r, c) != 0)
+        coupled[static_cast<std::size_t>(a) * n() + b] = 1;
+}
+
+// Of `rows` those that impulses of the approaching ones reach, from one to the next.
+void ImpactSequence::Workspace::keepReached() {
+  isReached.assign(n(), 0);
+  reached.clear();
+  for (const int i : rows)
+    if (velocity[i] < 0) {
+      isReached[i] = 1;
+      reached.push_back(i);
+    }
+  for (std::size_t k = 0; k < reached.size(); ++k)
+    for (const int i : rows)
+      if (!isReached[i] && coupled[static_cast<std::size_t>(reached[k]) * n() + i]) {
+        isReached[i] = 1;
+        reached.push_back(i);
+      }
+  std::erase_if(rows, [this](int i) { return !isReached[i]; });
+}
+
+// Contacts with gap 0 that an impact reaches, or (`resting`) that do not open either, and their tangential rows; resting contacts come with
+// the friction elements.
 void ImpactSequence::Workspace::chooseRows(bool resting) {
   rows.clear();
   tangents.clear();
   for (int i = 0; i < n(); ++i)
     if (gap[i] == 0 && (!resting || velocity[i] == 0))
       rows.push_back(i);
+  if (!resting)
+    keepReached();
   for (int j = 0; j < problem->tangentCount; ++j) {
     const int owner = problem->owner[j];
     if (owner < 0 ? resting : std::binary_search(rows.begin(), rows.end(), owner))
@@ -158,7 +194,7 @@ void ImpactSequence::Workspace::chooseRows(bool resting) {
   }
 }
 
-// The impact of all contacts with gap 0. False: it has no end.
+// The impact of the contacts with gap 0. False: it has no end.
 bool ImpactSequence::Workspace::freeze() {
   chooseRows(false);
   const int ni = static_cast<int>(rows.size()), mi = static_cast<int>(tangents.size());

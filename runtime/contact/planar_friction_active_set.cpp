@@ -116,8 +116,9 @@ bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start) {
     trial_.mode.normal = start->normal;
     trial_.mode.slip = start->slip;
   } else {
+    // Contacts at rest in an impact (φ = 0) are pressed by one another: of a row of open ones each iteration would close the next one only.
     for (int i = 0; i < n; ++i)
-      trial_.mode.normal[i] = scaled_.bias[i] < 0 ? NormalState::Active : NormalState::Off;
+      trial_.mode.normal[i] = scaled_.bias[i] <= 0 ? NormalState::Active : NormalState::Off;
   }
   for (int iteration = 0; iteration < iterationLimit; ++iteration) {
     completeMode(trial_.mode);

@@ -62,6 +62,39 @@ TEST(ImpactSequence, TwoBallsHaveTheirOwnPoints) {
   EXPECT_NEAR(-g * point->time + point->impulse[0], velocity, 1e-10);
 }
 
+// Beside a ball that lies on another one, with the forces 2 g and g: impacts do not reach them.
+TEST(ImpactSequence, ImpactsLeaveWhatTheyDoNotReach) {
+  SequenceProblem problem = balls({2, 0, 0}, {0.5, 0.5, 0.5});
+  problem.delassus(2, 2) = 2;
+  problem.delassus(1, 2) = problem.delassus(2, 1) = -1;
+  problem.bias[2] = 0;
+  ImpactSequence sequence;
+  const AccumulationPoint *point = sequence.follow(problem);
+  ASSERT_NE(point, nullptr);
+  const double end = restTime(2, 0.5);
+  EXPECT_NEAR(point->time, end, 1e-12 * end);
+  EXPECT_EQ(point->contacts, std::vector<int>{0});
+  EXPECT_NEAR(point->impulse[0], g * end, 1e-11 * end);
+  EXPECT_NEAR(point->impulse[1], 2 * g * end, 1e-11 * end);
+  EXPECT_NEAR(point->impulse[2], g * end, 1e-11 * end);
+  EXPECT_EQ(point->frozenImpulse[1], 0);
+  EXPECT_EQ(point->frozenImpulse[2], 0);
+}
+
+// Onto the upper one of two balls: the impact reaches the lower one's contact with the floor, from one to the next.
+TEST(ImpactSequence, ImpactsReachRestingContactsOneAfterTheOther) {
+  SequenceProblem problem = balls({2, 0, 0}, {0.5, 0, 0});
+  problem.delassus(0, 0) = problem.delassus(2, 2) = 2;
+  problem.delassus(0, 2) = problem.delassus(2, 0) = problem.delassus(1, 2) = problem.delassus(2, 1) = -1;
+  problem.bias[2] = 0;
+  ImpactSequence sequence;
+  const AccumulationPoint *point = sequence.follow(problem);
+  ASSERT_NE(point, nullptr);
+  EXPECT_GT(point->frozenImpulse[0], 0);
+  EXPECT_GT(point->frozenImpulse[1], 0);
+  EXPECT_GT(point->frozenImpulse[2], 0);
+}
+
 TEST(ImpactSequence, ElasticBallDoesNotComeToRest) {
   ImpactSequence sequence;
   EXPECT_EQ(sequence.follow(balls({1}, {1})), nullptr);
