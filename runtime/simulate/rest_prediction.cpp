@@ -20,8 +20,8 @@ constexpr double early = 0.2;
 // Without a prediction the next attempt is made after so many times the interval between the last impacts.
 constexpr double shortestWait = 2, longestWait = 1e3;
 // After a prediction of another point than the last one, or none, which happens again and again where impacts run through many contacts,
-// so many impacts are let pass at most.
-constexpr int longestPause = 15;
+// so many impacts are let pass at most: of many contacts, a prediction of which costs as much as many impacts, the square of their number.
+constexpr int shortestLimit = 15, longestLimit = 255;
 constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left: no usual coefficient of restitution, or rounding would decide.
 constexpr double nextShare = 0.51, leastChange = 0.75;
@@ -327,12 +327,17 @@ bool RestPrediction::differentiate(double time, const double *state, Sensitiviti
   return isGood;
 }
 
+int RestPrediction::longerPause() const {
+  const int contacts = rows_.normalCount();
+  return std::min(2 * pause_ + 1, std::clamp(contacts * contacts, shortestLimit, longestLimit));
+}
+
 // Predictions of another point, or of an earlier course of the motion, are dropped.
 void RestPrediction::add(Prediction prediction) {
   if (!predictions_.empty()) {
     const Prediction &last = predictions_.back();
     const bool isOther = last.point.contacts != prediction.point.contacts || prediction.remaining > leastChange * last.remaining;
-    pause_ = isOther ? std::min(2 * pause_ + 1, longestPause) : 0;
+    pause_ = isOther ? longerPause() : 0;
     if (isOther)
       forget();
   }
@@ -450,7 +455,7 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
   if (!predict(time, state, prediction) || (sensitivities != nullptr && !differentiate(time, state, *sensitivities, prediction))) {
     forget();
     // Impacts of many contacts may go on for long without a repeating sequence, which is costly to find out.
-    pause_ = std::min(2 * pause_ + 1, longestPause);
+    pause_ = longerPause();
     wait_ = std::min(2 * wait_, longestWait);
     nextAttempt_ = time + wait_ * (time - previousImpact);
     return nullptr;
@@ -466,6 +471,7 @@ const RestPoint *RestPrediction::afterImpact(double time, const double *before, 
     return nullptr;
   if (sensitivities != nullptr && !derivativesAgree(tolerance, sensitivities->columnCount()))
     return nullptr;
+  pause_ = 0;
   return &point_;
 }
 

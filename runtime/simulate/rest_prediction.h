@@ -69,6 +69,7 @@ private:
   bool predict(double time, const double *state, Prediction &prediction);
   bool predictWithChosen(double time, const double *state, Prediction &prediction);
   bool differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction);
+  [[nodiscard]] int longerPause() const;
   void add(Prediction prediction);
   bool extrapolate(double tolerance, const double *scale);
   [[nodiscard]] std::vector<double> extrapolatedDerivatives(std::size_t predictions, int columns) const;
