@@ -244,6 +244,9 @@ void EventDetection::illinoisZero(int guard, double zero, double lowValue, doubl
     // A gap that starts at zero is positive before it returns: halved until that is seen, however soon the return is.
     const bool interpolated = fa > 0;
     double x = interpolated ? (pa * b - pb * a) / (pa - pb) : 0.5 * (a + b);
+    // Where an end is the zero but for rounding, a little step away from it shows that.
+    if (interpolated)
+      x = std::clamp(x, a + 0.25 * close, b - 0.25 * close);
     if (!(x > a && x < b))
       x = 0.5 * (a + b);
     const double fx = guardInside(guard, x) - zero;
@@ -252,6 +255,10 @@ void EventDetection::illinoisZero(int guard, double zero, double lowValue, doubl
     // A secant over a distance at which the values are more than rounding.
     if (std::abs(x - last) > 10 * close)
       event.slope = (fx - lastValue) / (x - last);
+    if (fx == 0 && interpolated) {
+      event.time = x;
+      break;
+    }
     (fx >= 0 ? a : b) = x;
     (fx >= 0 ? fa : fb) = fx;
     if (fx >= 0) {
