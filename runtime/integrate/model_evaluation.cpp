@@ -20,7 +20,8 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
       restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)), stateRateByStep(array(model.nz, model.ns)),
       input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)), acceleration(array(model.nv)),
       normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs),
-      switchingMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1), screen_(model), coordinateRate_(array(model.nq)) {
+      someMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1), oneMask_(someMask_), screen_(model),
+      coordinateRate_(array(model.nq)) {
   const int nx = columns();
   zero_ = array(stateSize());
   conditionGradient = array(model.ns, nx);
@@ -115,7 +116,6 @@ void ModelEvaluation::forces() {
   model_->dynamics(in_, out, nullptr);
 }
 
-// The mask stays as it is until other parts are asked for, or other contacts wake.
 void ModelEvaluation::switching(int parts) {
   if (screen_.isUsed() && (parts & (Gaps | Slips)) != 0) {
     if (!screen_.covers(time_, in_[TF_IN_Q]))
@@ -124,39 +124,38 @@ void ModelEvaluation::switching(int parts) {
     if (readElsewhere_)
       return switchingOfAll(parts | Gaps);
   }
-  if (switchingParts_ != parts || switchingRevision_ != screen_.revision()) {
-    selectContacts(parts, screen_.awake());
-    switchingParts_ = parts;
-    switchingRevision_ = screen_.revision();
+  AwakeMask &awake = awakeMasks_[parts];
+  if (awake.revision != screen_.revision()) {
+    awake.mask.resize(someMask_.size());
+    selectContacts(parts, screen_.awake(), awake.mask);
+    awake.revision = screen_.revision();
   }
-  switchingOfMask();
+  read(awake.mask);
 }
 
 void ModelEvaluation::switching(int parts, const std::uint8_t *contacts) {
-  selectContacts(parts, contacts);
-  switchingParts_ = -1;
-  switchingOfMask();
+  selectContacts(parts, contacts, someMask_);
+  read(someMask_);
 }
 
 void ModelEvaluation::switchingOfAll(int parts) {
   const int nc = model_->nc;
-  std::fill_n(switchingMask_.begin(), nc, static_cast<std::uint8_t>((parts & Gaps) != 0));
-  std::fill_n(switchingMask_.begin() + nc, nc + model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
-  switchingMask_.back() = (parts & Conditions) != 0;
-  switchingParts_ = -1;
+  std::fill_n(someMask_.begin(), nc, static_cast<std::uint8_t>((parts & Gaps) != 0));
+  std::fill_n(someMask_.begin() + nc, nc + model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
+  someMask_.back() = (parts & Conditions) != 0;
   if (screen_.isUsed() && (parts & Gaps) != 0)
     readElsewhere_ = !screen_.covers(time_, in_[TF_IN_Q]);
-  switchingOfMask();
+  read(someMask_);
 }
 
-void ModelEvaluation::selectContacts(int parts, const std::uint8_t *contacts) {
+void ModelEvaluation::selectContacts(int parts, const std::uint8_t *contacts, SwitchingMask &mask) const {
   const int nc = model_->nc;
   for (int i = 0; i < nc; ++i) {
-    switchingMask_[i] = (parts & Gaps) != 0 && contacts[i] != 0;
-    switchingMask_[nc + i] = (parts & Slips) != 0 && contacts[i] != 0;
+    mask[i] = (parts & Gaps) != 0 && contacts[i] != 0;
+    mask[nc + i] = (parts & Slips) != 0 && contacts[i] != 0;
   }
-  std::fill_n(switchingMask_.begin() + 2 * static_cast<std::ptrdiff_t>(nc), model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
-  switchingMask_.back() = (parts & Conditions) != 0;
+  std::fill_n(mask.begin() + 2 * static_cast<std::ptrdiff_t>(nc), model_->nf, static_cast<std::uint8_t>((parts & Slips) != 0));
+  mask.back() = (parts & Conditions) != 0;
 }
 
 void ModelEvaluation::renewScreen() {
@@ -173,17 +172,14 @@ void ModelEvaluation::cover(const double *center, const double *radius, const do
 }
 
 void ModelEvaluation::switchingOf(int contact) {
-  if (switchingParts_ != 0)
-    std::fill(switchingMask_.begin(), switchingMask_.end(), std::uint8_t{0});
-  switchingParts_ = 0;
-  switchingMask_[contact] = 1;
-  switchingOfMask();
-  switchingMask_[contact] = 0;
+  oneMask_[contact] = 1;
+  read(oneMask_);
+  oneMask_[contact] = 0;
 }
 
-void ModelEvaluation::switchingOfMask() {
+void ModelEvaluation::read(const SwitchingMask &mask) {
   double *const out[] = {gap.data(), gapRate.data(), slip.data(), condition.data()};
-  model_->switching(in_, out, switchingMask_.data());
+  model_->switching(in_, out, mask.data());
 }
 
 void ModelEvaluation::contactTerms(const std::uint8_t *mask) {

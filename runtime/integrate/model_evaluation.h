@@ -6,6 +6,7 @@
 #include "runtime/integrate/mobility.h"
 #include "runtime/model/input_signals.h"
 
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -100,8 +101,9 @@ public:
 private:
   void evaluateInputs(double time);
   void constraintTerms(bool residuals, bool rows);
-  void switchingOfMask();
-  void selectContacts(int parts, const std::uint8_t *contacts);
+  using SwitchingMask = std::vector<std::uint8_t>;
+  void read(const SwitchingMask &mask);
+  void selectContacts(int parts, const std::uint8_t *contacts, SwitchingMask &mask) const;
   void renewScreen();
 
   const tf_model *model_;
@@ -112,11 +114,14 @@ private:
   double time_ = 0, segment_ = 0;
   long long parameterRevision_ = 0;
   bool constantInputs_ = false;
-  std::vector<std::uint8_t> switchingMask_;
-  // What the mask selects: whole parts, those of the contacts that are awake at this revision of the screen; −1: some contacts.
-  int switchingParts_ = 0;
-  long long switchingRevision_ = -1;
-  bool readElsewhere_ = false;  // the gaps of contacts that are asleep are those at a point outside the box
+  // By their parts, of the contacts that are awake at a revision of the screen (−1: none).
+  struct AwakeMask {
+    SwitchingMask mask;
+    long long revision = -1;
+  };
+  std::array<AwakeMask, 8> awakeMasks_;
+  SwitchingMask someMask_, oneMask_;  // of any contacts, and of one at a time
+  bool readElsewhere_ = false;        // the gaps of contacts that are asleep are those at a point outside the box
   GapScreen screen_;
   std::vector<double> coordinateRate_;
 };

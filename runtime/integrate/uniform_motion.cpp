@@ -10,8 +10,8 @@ bool UniformMotion::solve(ModeDynamics &dynamics, double t0, const double *y0, c
   nq_ = model.nq;
   nv_ = model.nv;
   h_ = h;
-  std::copy_n(y0, n_, begin_.begin());
-  std::copy_n(f0, n_, rate_.begin());
+  begin_ = y0;
+  rate_ = f0;
   at(h, end_.data());
   std::copy_n(f0, n_, endRate_.begin());
   for (int i = 0; i < nv_; ++i)

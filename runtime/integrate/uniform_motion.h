@@ -7,9 +7,10 @@ namespace tf::runtime {
 
 class UniformMotion final : public ElementMethod {
 public:
-  explicit UniformMotion(int size) : ElementMethod(size), begin_(size), rate_(size) {}
+  explicit UniformMotion(int size) : ElementMethod(size) {}
 
   void restart() override {}
+  // y0 and f0 must stay until the next element.
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   void interpolate(double theta, double *y) const override { at(theta * h_, y); }
@@ -20,7 +21,7 @@ public:
 private:
   void at(double time, double *y) const;
 
-  std::vector<double> begin_, rate_;
+  const double *begin_ = nullptr, *rate_ = nullptr;
   int nq_ = 0, nv_ = 0;
   double h_ = 0;
 };

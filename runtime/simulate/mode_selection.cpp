@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace tf::runtime {
 
@@ -34,14 +35,14 @@ void ModeSelection::listTouching(const double *state) {
   const tf_model &model = at_.model();
   touching_.clear();
   approaching_.clear();
+  for (int i = 0; i < model.nc; ++i)
+    if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal)
+      touching_.push_back(i);
+  if (touching_.empty())
+    return;
   const double tolerance = velocityTolerance(state);
-  for (int i = 0; i < model.nc; ++i) {
-    if (!(at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal))
-      continue;
-    touching_.push_back(i);
-    if (at_.gapRate[i] < -tolerance)
-      approaching_.push_back(i);
-  }
+  std::copy_if(touching_.begin(), touching_.end(), std::back_inserter(approaching_),
+               [this, tolerance](int i) { return at_.gapRate[i] < -tolerance; });
 }
 
 // Gaps, slips and constraints may depend on switches of time, whose conditions may depend on other switches in turn.

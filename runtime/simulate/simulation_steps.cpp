@@ -15,6 +15,8 @@ namespace tf::runtime {
 tf_status Simulation::Implementation::projectEnd() {
   constexpr int mostPasses = 8;
   constexpr double rounding = 1e-14;
+  if (!dynamics_.needsProjection())
+    return TF_OK;
   SmoothIntegrator &integrator = integrators_.current();
   double way = 0, left = 1;
   for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
