@@ -95,6 +95,22 @@ bool EventDetection::findEarlier(DetectedEvent &event) {
   return true;
 }
 
+bool EventDetection::returnToGap(int guard) {
+  constexpr double visible = 1e-12, farthest = 1e-4;  // of the gap's scale, of the step
+  const Guard &g = dynamics_.guards()[guard];
+  if (g.kind != GuardKind::Gap || !dynamics_.needsProjection())
+    return false;
+  const double end = integrator_->endTime();
+  const double value = guardAt(guard, end, integrator_->end()) - level(guard);
+  const double slope = dynamics_.model().gapRate[g.index], duration = -value / slope;
+  if (!(slope < 0) || std::abs(value) <= visible * g.scale || !(std::abs(duration) <= farthest * (end - integrator_->beginTime())))
+    return false;
+  for (int i = 0; i < dynamics_.size(); ++i)
+    integrator_->end()[i] += duration * integrator_->endRate()[i];
+  integrator_->moveEnd(end + duration);
+  return true;
+}
+
 // Where the interpolant is exact, its zero is the event: Newton's method on it. False: it leaves the bracket.
 bool EventDetection::moveInside(DetectedEvent &event) {
   const double zero = level(event.guard), begin = integrator_->beginTime();

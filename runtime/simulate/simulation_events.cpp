@@ -298,6 +298,10 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     dynamics_.projectStop(integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
   else if (const tf_status status = projectEnd(); status != TF_OK)
     return status;
+  constexpr int mostReturns = 3;
+  for (int pass = 0; pass < mostReturns && !stops && detection_.returnToGap(event.guard); ++pass)
+    if (const tf_status status = projectEnd(); status != TF_OK)
+      return status;
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   // Other least-norm forces of redundant contacts: the same motion, no event.
