@@ -174,7 +174,7 @@ StepStatus ElementIntegrator::step(double limit) {
     error_ = error;
     ++statistics_.steps;
     watchStability();
-    method_->finish();
+    method_->finish(error);
     adopt(last ? limit : beginTime_ + h);
     return StepStatus::Done;
   }

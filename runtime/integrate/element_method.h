@@ -36,9 +36,9 @@ public:
                             const double * /*scale*/) {
     return h;
   }
-  // The last element's error was too large; or the element is a step.
+  // The last element's error was too large; or the element is a step with this error norm.
   virtual void reject(const double * /*scale*/) {}
-  virtual void finish() {}
+  virtual void finish(double /*error*/) {}
 
   // The next element begins so many of its lengths after a switch: rates behind that may be powers of the time since then, of which an
   // estimate that is made for smooth ones shows a part only.

@@ -377,13 +377,15 @@ bool ModeDynamics::giveRate(double *rate) {
   }
   tauRate_ = numericalTimeRate(closedForce_, closedRate_);
   at_.kinematics(rate);
+  const int nv = model.nv, nz = model.nz;
+  const double *acceleration = at_.acceleration.data(), *stateRate = at_.stateRate.data();
   double *rest = rate + model.nq;
-  for (int i = 0; i < model.nv; ++i)
-    *rest++ = at_.acceleration[i];
-  for (int i = 0; i < model.nz; ++i)
-    *rest++ = at_.stateRate[i];
-  rate[size() - 1] = tauRate_;
-  if (!allFinite(rate, size()))
+  for (int i = 0; i < nv; ++i)
+    rest[i] = acceleration[i];
+  for (int i = 0; i < nz; ++i)
+    rest[nv + i] = stateRate[i];
+  rest[nv + nz] = tauRate_;
+  if (!allFinite(rate, model.nq + nv + nz + 1))
     return fail(EvaluationFailure::NotFinite);
   return true;
 }

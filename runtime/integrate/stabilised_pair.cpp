@@ -18,12 +18,24 @@ constexpr int stepsPerEstimate = 25;
 
 }  // namespace
 
-StabilisedPair::StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair)
-    : ElementMethod(size), pair_(std::move(pair)), border_(pair_->stabilityBorder()), rock_(size), radius_(size), patience_(leastPatience),
-      pause_(leastPause), pauseLeft_(0) {}
+StabilisedPair::StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low)
+    : ElementMethod(size), pair_(std::move(pair)), low_(std::move(low)), border_(pair_->stabilityBorder()), rock_(size), radius_(size),
+      patience_(leastPatience), pause_(leastPause), pauseLeft_(0) {}
+
+void StabilisedPair::restart() {
+  isNewMode_ = true;
+  adjustedSteps_ = 0;
+  endsEarly_ = modeSteps_ == 1;
+  modeSteps_ = 0;
+  lowLength_ = 0;
+  isLow_ = isRock_ = false;
+}
 
 void StabilisedPair::forget() {
   radius_.forget();
+  endsEarly_ = isLow_ = false;
+  modeSteps_ = 0;
+  lowLength_ = 0;
   isKnown_ = isDamped_ = mayRock_ = isRock_ = false;
   isNewMode_ = true;
   borderSteps_ = wasted_ = pauseLeft_ = 0;
@@ -65,13 +77,22 @@ bool StabilisedPair::needsEstimate(double h) const {
          (isNewMode_ && (h * radius_.bound() > many || adjustedSteps_ >= several));
 }
 
+// A step clearly shorter than the error would end it, or, at first, in a mode that may end as early as the one before.
+bool StabilisedPair::mayBeLow(double h) const {
+  constexpr double clearly = 0.7;
+  if (!low_ || (isDamped_ && radius_.isKnown() && h * radius_.bound() > low_->stabilityBorder()))
+    return false;
+  return lowLength_ > 0 ? h <= clearly * lowLength_ : endsEarly_ && modeSteps_ == 0;
+}
+
 bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                            double accuracy) {
   length_ = h;
   isRock_ = mayRock_ && h * radius_.bound() > border_;
+  isLow_ = !isRock_ && mayBeLow(h);
   if (isRock_)
     rock_.setRadius(radius_.bound());
-  ElementMethod &method = isRock_ ? static_cast<ElementMethod &>(rock_) : *pair_;
+  ElementMethod &method = isRock_ ? static_cast<ElementMethod &>(rock_) : explicitMethod();
   method.setDistance(distance_);
   if (!method.solve(dynamics, t0, y0, f0, h, scale, accuracy))
     return false;
@@ -82,20 +103,28 @@ bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, 
 
 // The error of a step that is not stable is in the direction that the radius is wrong for.
 void StabilisedPair::reject(const double *scale) {
-  wasted_ += isRock_ ? rock_.interiorStages() + 1 : pair_->evaluations();
+  wasted_ += isRock_ ? rock_.interiorStages() + 1 : explicitMethod().evaluations();
+  if (isLow_)
+    endsEarly_ = false;
+  lowLength_ = 0;
   if (!isRock_)
     return;
   radius_.suspect(rock_.error(), scale);
   stepsSinceEstimate_ = stepsPerEstimate;
 }
 
-void StabilisedPair::finish() {
+void StabilisedPair::finish(double error) {
+  // Of the pair's steps those of the lower order are a part, to a factor of two over usual tolerances.
+  constexpr double part = 0.25, longest = 8;
+  ++modeSteps_;
   if (isRock_) {
     ++stepsSinceEstimate_;
     judge();
   } else {
+    const double growth = error > 0 ? std::min(longest, 0.9 * std::pow(error, -1 / errorOrder())) : longest;
+    lowLength_ = (isLow_ ? 1 : part) * length_ * growth;
     pauseLeft_ = std::max(pauseLeft_ - 1, 0);
-    borderSteps_ = pair_->stabilityRatio() > 0.8 ? borderSteps_ + 1 : std::max(borderSteps_ - 1, 0);
+    borderSteps_ = explicitMethod().stabilityRatio() > 0.8 ? borderSteps_ + 1 : std::max(borderSteps_ - 1, 0);
     isKnown_ = isKnown_ || borderSteps_ >= patience_;
   }
   adjustedSteps_ += isAdjusted_ ? 1 : 0;
@@ -115,6 +144,8 @@ void StabilisedPair::judge() {
 }
 
 // Where ROCK4 would take longer steps, if they were as accurate, stability does not limit those of the pair.
-double StabilisedPair::stabilityRatio() const { return isRock_ ? rock_.stabilityRatio() : isDamped_ ? 0 : pair_->stabilityRatio(); }
+double StabilisedPair::stabilityRatio() const {
+  return isRock_ ? rock_.stabilityRatio() : isDamped_ ? 0 : explicitMethod().stabilityRatio();
+}
 
 }  // namespace tf::runtime

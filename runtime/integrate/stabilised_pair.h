@@ -1,5 +1,6 @@
-// An explicit pair, and ROCK4 for those steps that its stability would shorten: both are one-step methods, so that every step may be the
-// one's or the other's. Damping that is stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
+// An explicit pair, one of lower order for those steps that something else than the error ends early (an event, an output), and ROCK4 for
+// those that stability would shorten: all are one-step methods, so that every step may be any one's. Damping that is stiff in one mode is
+// so in the next ones: what is known of the spectrum outlives events.
 #pragma once
 
 #include "runtime/integrate/explicit_method.h"
@@ -12,18 +13,16 @@ namespace tf::runtime {
 
 class StabilisedPair final : public ElementMethod {
 public:
-  StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair);
+  // `low` may be null.
+  StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low);
 
   void forget() override;
-  void restart() override {
-    isNewMode_ = true;
-    adjustedSteps_ = 0;
-  }
+  void restart() override;
   double adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) override;
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   void reject(const double *scale) override;
-  void finish() override;
+  void finish(double error) override;
   void interpolate(double theta, double *y) const override { current().interpolate(theta, y); }
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return current().errorNorm(scale, tolerance); }
   [[nodiscard]] double errorOrder() const override { return current().errorOrder(); }
@@ -33,12 +32,17 @@ public:
 
 private:
   [[nodiscard]] bool needsEstimate(double h) const;
+  [[nodiscard]] bool mayBeLow(double h) const;
   void judge();
+  [[nodiscard]] ExplicitMethod &explicitMethod() const { return isLow_ ? *low_ : *pair_; }
+  [[nodiscard]] const ElementMethod &current() const { return isRock_ ? static_cast<const ElementMethod &>(rock_) : explicitMethod(); }
 
-  [[nodiscard]] const ElementMethod &current() const { return isRock_ ? static_cast<const ElementMethod &>(rock_) : *pair_; }
-
-  std::unique_ptr<ExplicitMethod> pair_;
-  double border_;  // of the pair, for h times the bound of the radius: what is not resolved there dies out
+  std::unique_ptr<ExplicitMethod> pair_, low_;
+  bool isLow_ = false;      // the last step was low_'s, if not ROCK4's
+  double lowLength_ = 0;    // the step that the error of low_ would allow; 0: not known
+  bool endsEarly_ = false;  // the mode before this one ended in its first step
+  int modeSteps_ = 0;       // in this mode
+  double border_;           // of the pair, for h times the bound of the radius: what is not resolved there dies out
   Rock4 rock_;
   SpectralRadius radius_;
   bool isKnown_ = false;        // damping has been found stiff, and radius_ is what it was last

@@ -18,7 +18,8 @@ namespace tf::runtime {
 
 namespace {
 
-// Order 8 pays but where the tolerance is loose: there its steps, of twelve evaluations, are too long for the pieces between events. Where
+// Order 8 pays but where the tolerance is loose: there its steps, of twelve evaluations, are too long for the pieces between events; else
+// where a step is short for other reasons than its error. Where
 // slips of two components stop, their direction turns ever faster: no order is high there. ROCK4, of order 4, does not pay where the
 // tolerance is tight.
 std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
@@ -26,9 +27,9 @@ std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings
   if (settings.fixedStep > 0)
     return std::make_unique<DormandPrince>(size);
   if (settings.tolerance > loose || slipsTurn)
-    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince>(size));
+    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince>(size), nullptr);
   if (settings.tolerance > tight)
-    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince8>(size));
+    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince8>(size), std::make_unique<DormandPrince>(size));
   return std::make_unique<DormandPrince8>(size);
 }
 

@@ -1,0 +1,60 @@
+// The order of explicit steps: high where the error ends them, low where outputs or events do.
+#include "tests/accuracy/compiled_model.h"
+
+#include <cmath>
+#include <gtest/gtest.h>
+#include <string>
+
+namespace tf::test {
+namespace {
+
+// x'' = −x − x³ from x = 1: the period is 4 K/√2 with the complete elliptic integral K(k² = 1/4) by the arithmetic-geometric mean.
+std::string spring() {
+  return sourceFile("hardening_spring.tf", R"(
+model Spring
+  coordinate Real x(start = 1);
+  body b(mass = 1, position = x);
+  force f(value = -x - x^3, at = x);
+end Spring;
+)");
+}
+
+double period() {
+  double a = 1, b = std::sqrt(0.75);
+  for (int k = 0; k < 6; ++k) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return 4 * std::acos(0.0) / a / std::sqrt(2.0);
+}
+
+long long evaluations(double tolerance, int outputs, double *error) {
+  CompiledModel model(spring());
+  model.tolerance(tolerance).integrator(TF_EXPLICIT).initialise();
+  const double end = 5 * period();
+  for (int k = 1; k <= outputs; ++k)
+    model.advance(end * k / outputs);
+  *error = std::abs(model["x"] - 1) + std::abs(model["der(x)"]);
+  return tf_get_statistics(model.simulation())->evaluations;
+}
+
+TEST(OrderOfSteps, IsHighWhereTheErrorEndsThem) {
+  double loose = 0, tight = 0;
+  const double ratio = static_cast<double>(evaluations(1e-8, 1, &tight)) / static_cast<double>(evaluations(1e-6, 1, &loose));
+  // A hundredth of the error: 100^(1/5) = 2.5 of order 5, 100^(1/8) = 1.8 of order 8.
+  EXPECT_LT(ratio, 2.1);
+  EXPECT_LT(loose, 1e-4);
+  EXPECT_LT(tight, 1e-6);
+}
+
+TEST(OrderOfSteps, IsLowWhereOutputsEndThem) {
+  for (const double tolerance : {1e-6, 1e-7}) {
+    double error = 0;
+    EXPECT_LT(evaluations(tolerance, 1000, &error), 7 * 1000);
+    EXPECT_LT(error, 100 * tolerance);
+  }
+}
+
+}  // namespace
+}  // namespace tf::test
