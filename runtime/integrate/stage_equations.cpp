@@ -19,16 +19,16 @@ void StageEquations::findDependencies() {
     for (int j = 0; j < n_; ++j)
       for (int i = 0; i < n_; ++i)
         if (jacobian(i, j) != 0)
-          direct_[static_cast<std::size_t>(i * words_ + j / 64)] |= std::uint64_t{1} << (j % 64);
+          direct_[static_cast<std::size_t>(i) * words_ + j / 64] |= std::uint64_t{1} << (j % 64);
   reach_ = direct_;
   for (int i = 0; i < n_; ++i)
-    reach_[static_cast<std::size_t>(i * words_ + i / 64)] |= std::uint64_t{1} << (i % 64);
+    reach_[static_cast<std::size_t>(i) * words_ + i / 64] |= std::uint64_t{1} << (i % 64);
   for (int k = 0; k < n_; ++k) {
     const std::uint64_t *through = reach_.data() + static_cast<std::ptrdiff_t>(k) * words_;
     for (int i = 0; i < n_; ++i)
       if (i != k && dependsOn(i, k))
         for (int w = 0; w < words_; ++w)
-          reach_[static_cast<std::size_t>(i * words_ + w)] |= through[w];
+          reach_[static_cast<std::size_t>(i) * words_ + w] |= through[w];
   }
 }
 
@@ -38,7 +38,7 @@ void StageEquations::splitParts() {
   std::vector<int> reached(static_cast<std::size_t>(n_), 0), order(static_cast<std::size_t>(n_));
   for (int i = 0; i < n_; ++i)
     for (int w = 0; w < words_; ++w)
-      reached[static_cast<std::size_t>(i)] += std::popcount(reach_[static_cast<std::size_t>(i * words_ + w)]);
+      reached[static_cast<std::size_t>(i)] += std::popcount(reach_[static_cast<std::size_t>(i) * words_ + w]);
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return reached[static_cast<std::size_t>(a)] < reached[static_cast<std::size_t>(b)]; });
@@ -64,7 +64,7 @@ void StageEquations::splitParts() {
 // Variables with few entries in their rows and none among themselves.
 void StageEquations::chooseEliminated(const std::vector<int> &members, Part &part) const {
   constexpr int mostEntries = 2;
-  const auto depends = [this](int i, int j) { return (direct_[static_cast<std::size_t>(i * words_ + j / 64)] >> (j % 64) & 1U) != 0; };
+  const auto depends = [this](int i, int j) { return (direct_[static_cast<std::size_t>(i) * words_ + j / 64] >> (j % 64) & 1U) != 0; };
   part.eliminated.clear();
   part.rest.clear();
   for (const int i : members) {

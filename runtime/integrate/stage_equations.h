@@ -35,8 +35,8 @@ private:
   void factorise(Part &part);
   void gather(const Part &part, const Eigen::VectorXd &stages);
   void spread(const std::vector<int> &variables, const Eigen::MatrixXd &values, Eigen::VectorXd &stages);
-  [[nodiscard]] double coefficient(int i, int j) const { return coefficients_[static_cast<std::size_t>(i * stages_ + j)]; }
-  [[nodiscard]] bool dependsOn(int i, int j) const { return (reach_[static_cast<std::size_t>(i * words_ + j / 64)] >> (j % 64) & 1U) != 0; }
+  [[nodiscard]] double coefficient(int i, int j) const { return coefficients_[static_cast<std::size_t>(i) * stages_ + j]; }
+  [[nodiscard]] bool dependsOn(int i, int j) const { return (reach_[static_cast<std::size_t>(i) * words_ + j / 64] >> (j % 64) & 1U) != 0; }
 
   int n_, stages_, words_;
   std::vector<double> coefficients_;

@@ -293,7 +293,7 @@ TEST_P(RunDifferences, Agree) {
     const bool isVelocity = variable.kind == TF_KIND_VELOCITY;
     if (!isVelocity && variable.kind != TF_KIND_COORDINATE)
       continue;
-    const auto place = static_cast<std::size_t>(variable.index + (isVelocity ? model.model().nq : 0));
+    const auto place = static_cast<std::size_t>(variable.index) + (isVelocity ? model.model().nq : 0);
     const double expected = (8 * (plus[place] - minus[place]) - (plus2[place] - minus2[place])) / (12 * h);
     EXPECT_NEAR(all[static_cast<std::size_t>(k)], expected, c.tolerance * std::max(1.0, std::abs(expected))) << variable.name;
   }

@@ -130,6 +130,7 @@ end DampedPair;
   const std::vector<std::pair<const char *, double>> parameters = {{"d", 1e4}, {"k", 50}, {"e", 0.5}, {"h", 0.5}, {"v", 1}};
   const std::vector<const char *> variables = {"y[1]", "y[2]", "der(y[1])", "der(y[2])"};
   std::vector<Expected> rows;
+  rows.reserve(variables.size());
   for (const char *variable : variables)
     rows.push_back({variable, {}});
   for (const auto &[name, value] : parameters) {
@@ -150,6 +151,7 @@ end DampedPair;
         file, tolerance, end, [&](CompiledModel &model) { expectNear(model, rows, {1e-4, 1, 10, 10, 10}, tolerance); }, {},
         [&](CompiledModel &model) {
           std::vector<const char *> names;
+          names.reserve(parameters.size());
           for (const auto &parameter : parameters)
             names.push_back(parameter.first);
           differentiateBy(model, names);

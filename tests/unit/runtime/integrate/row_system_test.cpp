@@ -46,6 +46,7 @@ class WideModel {
 public:
   WideModel(int velocities, int contacts) {
     std::vector<std::string> names;
+    names.reserve(velocities);
     for (int i = 0; i < velocities; ++i)
       names.push_back("q" + std::to_string(i));
     tables_.coordinates(names, "m");

@@ -28,7 +28,7 @@ double residualOf(const std::vector<Eigen::MatrixXd> &jacobians, double h) {
   for (int j = 0; j < stages; ++j) {
     equations.jacobian(j) = jacobians[static_cast<std::size_t>(j)];
     for (int i = 0; i < stages; ++i)
-      whole.block(i * n, j * n, n, n) -= h * a[static_cast<std::size_t>(i * stages + j)] * jacobians[static_cast<std::size_t>(j)];
+      whole.block(i * n, j * n, n, n) -= h * a[static_cast<std::size_t>(i) * stages + j] * jacobians[static_cast<std::size_t>(j)];
   }
   equations.factorise(h);
   const Eigen::VectorXd right = Eigen::VectorXd::LinSpaced(n * stages, -1, 2);
@@ -52,6 +52,7 @@ TEST(StageEquationsTest, DenseJacobiansOfEachStage) {
   RandomEntries random(1);
   for (int stages = 1; stages <= 4; ++stages) {
     std::vector<Eigen::MatrixXd> jacobians;
+    jacobians.reserve(stages);
     for (int j = 0; j < stages; ++j)
       jacobians.emplace_back(Eigen::MatrixXd::NullaryExpr(5, 5, [&] { return random(); }));
     EXPECT_LT(residualOf(jacobians, 0.3), 1e-13);
@@ -64,6 +65,7 @@ TEST(StageEquationsTest, SparseJacobiansWhosePatternsDifferBetweenStages) {
     const int stages = 1 + trial % 4, n = 1 + trial % 90;
     const double density = (trial % 7 + 1) / (2.0 * n);
     std::vector<Eigen::MatrixXd> jacobians;
+    jacobians.reserve(stages);
     for (int j = 0; j < stages; ++j)
       jacobians.emplace_back(Eigen::MatrixXd::NullaryExpr(n, n, [&] { return random.happens(density) ? random() : 0.0; }));
     EXPECT_LT(residualOf(jacobians, 0.4), 1e-11) << "trial " << trial;
