@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace tf::runtime {
 
@@ -40,8 +41,8 @@ void StageEquations::splitParts() {
     for (int w = 0; w < words_; ++w)
       reached[static_cast<std::size_t>(i)] += std::popcount(reach_[static_cast<std::size_t>(i) * words_ + w]);
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return reached[static_cast<std::size_t>(a)] < reached[static_cast<std::size_t>(b)]; });
+  const auto rank = [&reached](int i) { return std::pair(reached[static_cast<std::size_t>(i)], i); };
+  std::sort(order.begin(), order.end(), [&rank](int a, int b) { return rank(a) < rank(b); });
   std::vector<std::uint8_t> isTaken(static_cast<std::size_t>(n_), 0);
   partCount_ = 0;
   for (std::size_t k = 0; k < order.size(); ++k) {
