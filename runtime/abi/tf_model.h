@@ -197,7 +197,7 @@ typedef struct tf_model {
   const double *parameters;         /* np: the values of unbound parameters (0 for bound ones) */
   int32_t binding_depth;            /* bindings must be evaluated this often for all bound parameters to be right */
   int32_t mass_is_constant;         /* M depends on parameters only */
-  int32_t uniform_flight;           /* M and f do, and nz = nh = nr = 0: accelerations are constant where no contact and friction acts */
+  int32_t uniform_flight;           /* nz = nh = nr = 0, and f depends on parameters only as well: free flight has constant accelerations */
   /* Entries of M below the diagonal that may differ from zero: mass_columns[mass_rows[i]] ... mass_columns[mass_rows[i + 1] - 1] of row i,
      ascending. mass_rows: nv + 1; null where all entries may. */
   const int32_t *mass_rows, *mass_columns;

@@ -27,7 +27,7 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
   next_ = firstStep > 0 ? firstStep : 0;
   error_ = 1;
   first_ = true;
-  moved_ = isUniform_ = false;
+  moved_ = isUniform_ = isHeld_ = false;
   method_->restart();
   unstableSteps_ = stableSteps_ = 0;
 }
@@ -107,20 +107,18 @@ bool ElementIntegrator::startsUniform() {
     return false;
   if (dynamics_.isUniform())
     return true;
-  if (!dynamics_.isHeldAtRest(beginTime_, begin_.data(), beginRate_.data(), scale_.data()))
-    return false;
-  std::fill(beginRate_.begin(), beginRate_.end() - 1, 0.0);
-  return true;
+  isHeld_ = isHeld_ || dynamics_.isHeldAtRest(beginTime_, begin_.data(), beginRate_.data(), scale_.data());
+  if (isHeld_)
+    std::fill(beginRate_.begin(), beginRate_.end() - 1, 0.0);
+  return isHeld_;
 }
 
-StepStatus ElementIntegrator::moveUniformly(double limit) {
+void ElementIntegrator::moveUniformly(double limit) {
   moved_ = false;
   error_ = 0;
-  if (!solve(limit - beginTime_, 0))
-    return StepStatus::Unsolvable;
+  solve(limit - beginTime_, 0);
   ++statistics_.steps;
   adopt(limit);
-  return StepStatus::Done;
 }
 
 StepStatus ElementIntegrator::step(double limit) {
@@ -131,8 +129,10 @@ StepStatus ElementIntegrator::step(double limit) {
   beginRate_ = endRate_;
   updateScale();
   isUniform_ = startsUniform();
-  if (isUniform_)
-    return moveUniformly(limit);
+  if (isUniform_) {
+    moveUniformly(limit);
+    return StepStatus::Done;
+  }
   const double span = limit - beginTime_;
   const bool fixed = settings_.fixedStep > 0;
   if (fixed)

@@ -50,7 +50,7 @@ private:
   [[nodiscard]] ElementMethod &method() { return isUniform_ ? static_cast<ElementMethod &>(uniform_) : *method_; }
   [[nodiscard]] const ElementMethod &method() const { return isUniform_ ? static_cast<const ElementMethod &>(uniform_) : *method_; }
   bool startsUniform();
-  StepStatus moveUniformly(double limit);
+  void moveUniformly(double limit);
   [[nodiscard]] double stepAccuracy() const;
   bool solve(double h, double accuracy);
   void adopt(double time);
@@ -61,6 +61,7 @@ private:
   std::unique_ptr<ElementMethod> method_;
   UniformMotion uniform_;
   bool isUniform_ = false;  // the last step is uniform_'s
+  bool isHeld_ = false;     // at rest, as long as the mode lasts
   std::vector<double> scale_;
   double next_ = 0;   // suggested length
   double error_ = 0;  // of the last step, relative to the tolerance

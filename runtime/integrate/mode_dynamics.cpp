@@ -143,15 +143,11 @@ bool ModeDynamics::prepare(double time, const double *state) {
   return true;
 }
 
-// Neither forces nor what the mode holds at zero depend on time or inputs.
+// Neither forces nor what the mode holds at zero depend on time or inputs that change.
 bool ModeDynamics::isTimeless() const {
-  const tf_model &model = at_.model();
-  if (model.variation == nullptr)
-    return true;
-  const int32_t *gaps = model.variation, *slips = gaps + model.nc, *forces = slips + model.nt + model.ns;
-  const auto varies = [](const int32_t *entries) { return [entries](int i) { return entries[i] != 0; }; };
-  return *forces == 0 && std::none_of(rows_.contacts().begin(), rows_.contacts().end(), varies(gaps)) &&
-         std::none_of(rows_.tangents().begin(), rows_.tangents().end(), varies(slips));
+  return !at_.forcesVary() &&
+         std::none_of(rows_.contacts().begin(), rows_.contacts().end(), [this](int contact) { return at_.gapVaries(contact); }) &&
+         std::none_of(rows_.tangents().begin(), rows_.tangents().end(), [this](int row) { return at_.slipVaries(row); });
 }
 
 // By the rank of the rows that are zero in the mode, at the last evaluation's point.
@@ -179,12 +175,12 @@ bool ModeDynamics::leavesNoVelocity() {
 bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *rate, const double *scale) {
   constexpr double rounding = 1e-14;
   const tf_model &model = at_.model();
-  const auto moves = [&](int i) { return std::abs(rate[i]) > rounding * scale[i]; };
-  for (int i = 0; i < model.nv; ++i)
-    if (std::abs(state[model.nq + i]) > rounding * scale[model.nq + i])
+  const int velocities = model.nq, states = velocities + model.nv;
+  for (int i = velocities; i < states; ++i)
+    if (std::abs(state[i]) > rounding * scale[i])
       return false;
-  for (int i = 0; i < model.nz; ++i)
-    if (moves(model.nq + model.nv + i))
+  for (int i = states; i < states + model.nz; ++i)
+    if (std::abs(rate[i]) > rounding * scale[i])
       return false;
   int heldRows = model.nh + rows_.normalCount();
   for (const std::int8_t slip : contactMode_.slip)

@@ -51,30 +51,25 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
     }
   }
-  if (model.variation != nullptr)
-    for (Guard &guard : guards_)
-      guard.varies = varies(guard);
+  for (Guard &guard : guards_)
+    guard.varies = varies(guard);
 }
 
 bool ModeDynamics::varies(const Guard &guard) const {
-  const tf_model &model = at_.model();
-  const int all = TF_VARIES_WITH_TIME | (at_.hasConstantInputs() ? 0 : TF_VARIES_WITH_INPUTS);
-  const std::int32_t *slips = model.variation + model.nc, *conditions = slips + model.nt;
-  const int ofForces = conditions[model.ns];
   switch (guard.kind) {
   case GuardKind::Gap:
-    return (model.variation[guard.index] & all) != 0;
+    return at_.gapVaries(guard.index);
   case GuardKind::Slip:
-    return (slips[guard.index] & all) != 0;
+    return at_.slipVaries(guard.index);
   case GuardKind::SlipAlong:
-    return ((slips[slips_.modelRow(guard.index)] | slips[slips_.modelRow(guard.index) + 1]) & all) != 0;
+    return at_.slipVaries(slips_.modelRow(guard.index)) || at_.slipVaries(slips_.modelRow(guard.index) + 1);
   case GuardKind::Condition:
-    return (conditions[guard.index] & all) != 0;
+    return at_.conditionVaries(guard.index);
   case GuardKind::Force:
-    return (ofForces & all) != 0;
+    return at_.forcesVary();
   case GuardKind::StepLow:
   case GuardKind::StepHigh:
-    return ((conditions[guard.index] | ofForces) & all) != 0;
+    return at_.conditionVaries(guard.index) || at_.forcesVary();
   }
   return false;
 }

@@ -77,9 +77,13 @@ public:
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
   [[nodiscard]] const double *parameters() const { return in_[TF_IN_P]; }
   [[nodiscard]] double time() const { return time_; }
-  // No input changes within the segment.
   [[nodiscard]] GapScreen &screen() { return screen_; }
-  [[nodiscard]] bool hasConstantInputs() const { return constantInputs_; }
+  // A contact's gap, a tangential row's slip, a switch's condition, or anything that contact forces and sliding step variables follow from
+  // depends on time, or on inputs that change within the segment.
+  [[nodiscard]] bool gapVaries(int contact) const { return varies(contact); }
+  [[nodiscard]] bool slipVaries(int row) const { return varies(model_->nc + row); }
+  [[nodiscard]] bool conditionVaries(int number) const { return varies(model_->nc + model_->nt + number); }
+  [[nodiscard]] bool forcesVary() const { return varies(model_->nc + model_->nt + model_->ns); }
   // Counts the calls of setParameters.
   [[nodiscard]] long long parameterRevision() const { return parameterRevision_; }
 
@@ -105,6 +109,11 @@ private:
   void read(const SwitchingMask &mask);
   void selectContacts(int parts, const std::uint8_t *contacts, SwitchingMask &mask) const;
   void renewScreen();
+  // Of tf_model::variation.
+  [[nodiscard]] bool varies(int entry) const {
+    return model_->variation != nullptr &&
+           (model_->variation[entry] & (TF_VARIES_WITH_TIME | (constantInputs_ ? 0 : TF_VARIES_WITH_INPUTS))) != 0;
+  }
 
   const tf_model *model_;
   const InputSignals *inputs_;

@@ -32,12 +32,10 @@ void StabilisedPair::restart() {
 }
 
 void StabilisedPair::forget() {
-  radius_.forget();
-  endsEarly_ = isLow_ = false;
   modeSteps_ = 0;
-  lowLength_ = 0;
-  isKnown_ = isDamped_ = mayRock_ = isRock_ = false;
-  isNewMode_ = true;
+  restart();
+  radius_.forget();
+  isKnown_ = isDamped_ = mayRock_ = false;
   borderSteps_ = wasted_ = pauseLeft_ = 0;
   patience_ = leastPatience;
   pause_ = leastPause;

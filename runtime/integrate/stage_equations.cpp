@@ -27,7 +27,7 @@ void StageEquations::findDependencies() {
   for (int k = 0; k < n_; ++k) {
     const std::uint64_t *through = reach_.data() + static_cast<std::ptrdiff_t>(k) * words_;
     for (int i = 0; i < n_; ++i)
-      if (i != k && dependsOn(i, k))
+      if (i != k && isSet(reach_, i, k))
         for (int w = 0; w < words_; ++w)
           reach_[static_cast<std::size_t>(i) * words_ + w] |= through[w];
   }
@@ -36,26 +36,27 @@ void StageEquations::findDependencies() {
 // A variable that depends on those of another part depends on all that these depend on, and on itself.
 void StageEquations::splitParts() {
   findDependencies();
-  std::vector<int> reached(static_cast<std::size_t>(n_), 0), order(static_cast<std::size_t>(n_));
-  for (int i = 0; i < n_; ++i)
+  const auto size = static_cast<std::size_t>(n_);
+  reachCounts_.assign(size, 0);
+  for (std::size_t i = 0; i < size; ++i)
     for (int w = 0; w < words_; ++w)
-      reached[static_cast<std::size_t>(i)] += std::popcount(reach_[static_cast<std::size_t>(i) * words_ + w]);
-  std::iota(order.begin(), order.end(), 0);
-  const auto rank = [&reached](int i) { return std::pair(reached[static_cast<std::size_t>(i)], i); };
-  std::sort(order.begin(), order.end(), [&rank](int a, int b) { return rank(a) < rank(b); });
-  std::vector<std::uint8_t> isTaken(static_cast<std::size_t>(n_), 0);
+      reachCounts_[i] += std::popcount(reach_[i * words_ + w]);
+  const auto count = [this](int i) { return reachCounts_[static_cast<std::size_t>(i)]; };
+  order_.resize(size);
+  std::iota(order_.begin(), order_.end(), 0);
+  std::sort(order_.begin(), order_.end(), [&count](int a, int b) { return std::pair(count(a), a) < std::pair(count(b), b); });
+  isInPart_.assign(size, 0);
   partCount_ = 0;
-  for (std::size_t k = 0; k < order.size(); ++k) {
-    const int first = order[k];
-    if (isTaken[static_cast<std::size_t>(first)])
+  for (std::size_t k = 0; k < size; ++k) {
+    const int first = order_[k];
+    if (isInPart_[static_cast<std::size_t>(first)] != 0)
       continue;
     members_.assign(1, first);
-    for (std::size_t l = k + 1; l < order.size() && reached[static_cast<std::size_t>(order[l])] == reached[static_cast<std::size_t>(first)];
-         ++l)
-      if (dependsOn(first, order[l]) && dependsOn(order[l], first))
-        members_.push_back(order[l]);
+    for (std::size_t l = k + 1; l < size && count(order_[l]) == count(first); ++l)
+      if (isSet(reach_, first, order_[l]) && isSet(reach_, order_[l], first))
+        members_.push_back(order_[l]);
     for (const int member : members_)
-      isTaken[static_cast<std::size_t>(member)] = 1;
+      isInPart_[static_cast<std::size_t>(member)] = 1;
     if (partCount_ == parts_.size())
       parts_.emplace_back();
     chooseEliminated(members_, parts_[partCount_++]);
@@ -65,7 +66,7 @@ void StageEquations::splitParts() {
 // Variables with few entries in their rows and none among themselves.
 void StageEquations::chooseEliminated(const std::vector<int> &members, Part &part) const {
   constexpr int mostEntries = 2;
-  const auto depends = [this](int i, int j) { return (direct_[static_cast<std::size_t>(i) * words_ + j / 64] >> (j % 64) & 1U) != 0; };
+  const auto depends = [this](int i, int j) { return isSet(direct_, i, j); };
   part.eliminated.clear();
   part.rest.clear();
   for (const int i : members) {

@@ -36,15 +36,21 @@ private:
   void gather(const Part &part, const Eigen::VectorXd &stages);
   void spread(const std::vector<int> &variables, const Eigen::MatrixXd &values, Eigen::VectorXd &stages);
   [[nodiscard]] double coefficient(int i, int j) const { return coefficients_[static_cast<std::size_t>(i) * stages_ + j]; }
-  [[nodiscard]] bool dependsOn(int i, int j) const { return (reach_[static_cast<std::size_t>(i) * words_ + j / 64] >> (j % 64) & 1U) != 0; }
+  // Bit j of row i.
+  [[nodiscard]] bool isSet(const std::vector<std::uint64_t> &rows, int i, int j) const {
+    return (rows[static_cast<std::size_t>(i) * words_ + j / 64] >> (j % 64) & 1U) != 0;
+  }
 
   int n_, stages_, words_;
   std::vector<double> coefficients_;
   double h_ = 0;
   std::vector<Eigen::MatrixXd> jacobians_;
-  std::vector<std::uint64_t> direct_,
-      reach_;                // bit j of row i: variable i depends on variable j; at once, or through others and on itself too
-  std::vector<Part> parts_;  // each depends on those before it
+  std::vector<std::uint64_t> direct_;   // rows of bits: the rate of variable i depends on variable j
+  std::vector<std::uint64_t> reach_;    // it does so through others, or j is i
+  std::vector<int> reachCounts_;        // bits of each row of reach_
+  std::vector<int> order_;              // of the variables: those that depend on fewer first
+  std::vector<std::uint8_t> isInPart_;  // variables
+  std::vector<Part> parts_;             // each depends on those before it
   std::size_t partCount_ = 0;
   std::vector<int> members_;
   Eigen::MatrixXd schur_, coupling_, known_, eliminatedValues_, restValues_, product_;  // known_: J_j Z_j of what is solved for

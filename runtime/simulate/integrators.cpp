@@ -18,10 +18,9 @@ namespace tf::runtime {
 
 namespace {
 
-// Order 8 pays but where the tolerance is loose: there its steps, of twelve evaluations, are too long for the pieces between events; else
-// where a step is short for other reasons than its error. Where
-// slips of two components stop, their direction turns ever faster: no order is high there. ROCK4, of order 4, does not pay where the
-// tolerance is tight.
+// Order 8 pays but where the tolerance is loose, since its steps of twelve evaluations are too long there for the pieces between events,
+// and where a step is short for other reasons than its error. Where slips of two components stop, their direction turns ever faster: no
+// order is high there. ROCK4, of order 4, does not pay where the tolerance is tight.
 std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
   constexpr double loose = 2e-6, tight = 2e-9;
   if (settings.fixedStep > 0)

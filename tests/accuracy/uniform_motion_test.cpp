@@ -84,13 +84,38 @@ end Resting;
   const long long before = evaluations(model);
   for (int k = 1; k <= 100; ++k)
     model.advance(20 + 0.29 * k);
-  // What it rests on is looked up, where the step begins: no stages.
-  EXPECT_LE(evaluations(model) - before, 200);
+  // No stages, and what it rests on is known.
+  EXPECT_LE(evaluations(model) - before, 100);
   EXPECT_EQ(model["r[1]"], x);
   EXPECT_EQ(model["r[2]"], y);
   EXPECT_NEAR(model["corner[1].normalForce"] + model["corner[2].normalForce"], 2 * 9.81, 1e-12);
   model.advance(51);
   EXPECT_NEAR(model["r[1]"], x + 0.5 * (10 - 0.4 * 9.81), 1e-8);
+}
+
+// An input that does not change leaves rest to be held; where it changes, rest may end.
+TEST(UniformMotion, ConstantInputsHoldRest) {
+  CompiledModel model(sourceFile("pushed_block.tf", R"(
+model Pushed
+  input Real u;
+  coordinate Real x, y;
+  body block(mass = 1, position = {x, y});
+  gravity weight(acceleration = {0, -10});
+  force push(value = u, at = x);
+  contact floor(gap = y, slip = der(x), friction = 0.5);
+end Pushed;
+)"));
+  const double times[] = {0, 30}, forces[] = {4, 7};
+  ASSERT_EQ(tf_set_input_table(model.simulation(), "u", times, forces, 2, 0), TF_OK);
+  model.tolerance(1e-8).run(20);
+  const long long before = evaluations(model);
+  for (int k = 1; k <= 90; ++k)
+    model.advance(20 + 0.1 * k);
+  EXPECT_LE(evaluations(model) - before, 90);
+  EXPECT_EQ(model["x"], 0);
+  EXPECT_NEAR(model["floor.frictionForce"], -4, 1e-12);
+  model.advance(31);
+  EXPECT_NEAR(model["x"], 0.5 * (7 - 5), 1e-12);
 }
 
 // A velocity of zero is no rest where the motion is not held, or where what holds it moves.

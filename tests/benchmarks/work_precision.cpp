@@ -261,8 +261,8 @@ double farthest(const std::vector<std::array<double, 2>> &nodes, const std::vect
   return worst;
 }
 
-// A chain of 50 links falls on the floor. There is no program by hand; the yardstick is MuJoCo at h = 1e-3, and the largest tolerance at
-// which we are not less accurate. Errors are distances of nodes at the end from a run of ours at a small tolerance.
+// A chain of 50 links falls on the floor. There is no program by hand; the yardstick is MuJoCo at h = 1e-3 against our cheapest tolerance
+// that is not less accurate. Errors are distances of nodes at the end from a run of ours at a small tolerance.
 void measureChain(const Setup &setup, std::vector<Measurement> &out) {
   constexpr int links = 50;
   constexpr std::array tolerances = {1e-1, 1e-2, 1e-3};
