@@ -321,7 +321,8 @@ void ContactSolver::Workspace::solveUnsettled(const ContactProblem &problem, con
 
 void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const ContactMode *preferred) {
   pose(problem, solver.problem());
-  const PlanarFrictionSolution &found = solver.solve(translate(preferred), settings.feasibility);
+  const PlanarFrictionSolution &found =
+      solver.solve(translate(preferred), settings.feasibility, PlanarFrictionSolver::Wanted::Accelerations);
   count(found);
   if (found.status == PlanarFrictionSolution::Status::Unsettled)
     return solveUnsettled(problem, preferred);

@@ -207,47 +207,6 @@ double PlanarFrictionSolver::certificate(const std::vector<double> &force, const
   return violation(trial_.force, trial_.acceleration);
 }
 
-// Sufficient conditions for at most one solution: one contact whose friction is below Painlevé's limit, or normal forces alone (slips
-// take friction along) with a matrix whose symmetric part is positive definite.
-bool PlanarFrictionSolver::unique() {
-  const int n = scaled_.normalCount, m = scaled_.tangentCount;
-  const DenseMatrix &D = scaled_.delassus;
-  if (n == 1 && m == 1 && scaled_.owner[0] == 0 && scaled_.normalKind[0] == NormalKind::Unilateral &&
-      scaled_.tangentKind[0] == TangentKind::TwoSided)
-    return D(0, 0) - scaled_.friction[0] * std::abs(D(0, 1)) > 1e-9 && std::abs(D(0, 1)) < 1 - 1e-9;
-  for (int i = 0; i < n; ++i)
-    if (scaled_.normalKind[i] == NormalKind::Bilateral)
-      return false;
-  for (int j = 0; j < m; ++j)
-    if (scaled_.tangentKind[j] != TangentKind::None && scaled_.tangentKind[j] != TangentKind::Slip)
-      return false;
-  active_.assign(n + m, 0);
-  slip_.resize(m);
-  for (int i = 0; i < n; ++i)
-    active_[i] = scaled_.normalKind[i] == NormalKind::Unilateral ? 1 : 0;
-  for (int j = 0; j < m; ++j)
-    slip_[j] = scaled_.tangentKind[j] == TangentKind::Slip ? scaled_.sign[j] : std::int8_t{0};
-  equations_.setMode(rows_, active_.data(), slip_.data());
-  DenseMatrix &A = factor_.matrix();
-  equations_.assemble(rows_, A);
-  // Cholesky of the symmetric part, in the lower triangle.
-  const int k = A.rows();
-  for (int c = 0; c < k; ++c)
-    for (int r = c; r < k; ++r)
-      A(r, c) = 0.5 * (A(r, c) + A(c, r));
-  for (int c = 0; c < k; ++c) {
-    if (!(A(c, c) > 1e-9))
-      return false;
-    const double root = std::sqrt(A(c, c));
-    for (int r = c; r < k; ++r)
-      A(r, c) /= root;
-    for (int d = c + 1; d < k; ++d)
-      for (int r = d; r < k; ++r)
-        A(r, d) -= A(r, c) * A(d, c);
-  }
-  return true;
-}
-
 // A contact that slips with D_s < 0 is an unstable balance: more force presses it together. Such a mode is not continued where another
 // solution exists.
 bool PlanarFrictionSolver::stable(const PlanarFrictionMode &mode) const {
@@ -279,7 +238,7 @@ void PlanarFrictionSolver::publish(PlanarFrictionSolution::Status status) {
   }
 }
 
-const PlanarFrictionSolution &PlanarFrictionSolver::solve(const PlanarFrictionMode *previous, double tolerance) {
+const PlanarFrictionSolution &PlanarFrictionSolver::solve(const PlanarFrictionMode *previous, double tolerance, Wanted wanted) {
   using Status = PlanarFrictionSolution::Status;
   scale();
   tolerance_ = tolerance;
@@ -292,7 +251,7 @@ const PlanarFrictionSolution &PlanarFrictionSolver::solve(const PlanarFrictionMo
   completeMode(best_.mode);
 
   const bool few = modeCount() <= enumerationLimit;
-  const bool single = few && unique();
+  const bool single = few && isUnique(wanted);
   path_ = Path::Previous;
   if (previous != nullptr && (!few || single)) {
     trial_.mode = *previous;

@@ -58,9 +58,11 @@ public:
   PlanarFrictionProblem &problem() { return problem_; }
   [[nodiscard]] const PlanarFrictionProblem &problem() const { return problem_; }
 
+  // What is asked for: the accelerations, with any forces that have them, or forces as near to the previous mode as may be.
+  enum class Wanted : std::uint8_t { Forces, Accelerations };
   // Among several solutions: `previous` (may be null) unless it is unstable, else the one with the fewest contacts pushing, else that
   // where the lowest index does. `tolerance`: accepted violation.
-  const PlanarFrictionSolution &solve(const PlanarFrictionMode *previous, double tolerance);
+  const PlanarFrictionSolution &solve(const PlanarFrictionMode *previous, double tolerance, Wanted wanted = Wanted::Forces);
   // Of the last problem.
   [[nodiscard]] const PlanarFrictionSolution &solution() const { return solution_; }
   // √D_rr, or 1 where it is zero: forces times it and accelerations over it are comparable between rows.
@@ -86,7 +88,9 @@ private:
   void completeMode(PlanarFrictionMode &mode) const;
   bool evaluate(Candidate &candidate);
   [[nodiscard]] double violation(const std::vector<double> &force, const std::vector<double> &acceleration) const;
-  bool unique();
+  [[nodiscard]] bool isUnique(Wanted wanted);
+  [[nodiscard]] bool hasUniqueNormals();
+  [[nodiscard]] bool hasSmallFriction(bool withForces);
   [[nodiscard]] bool stable(const PlanarFrictionMode &mode) const;
   [[nodiscard]] bool sameMotion(const Candidate &a, const Candidate &b) const;
   [[nodiscard]] double modeCount() const;
@@ -118,10 +122,10 @@ private:
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
   std::vector<double> fixed_, unknown_;
-  std::vector<int> option_, firstVariable_;
+  std::vector<int> option_, firstVariable_, order_;
   DenseMatrix transfer_, response_;  // λ = T z + constant, w = D T z + constantResponse
   std::vector<double> constant_, constantResponse_;
-  DenseMatrix modeMatrix_;
+  DenseMatrix modeMatrix_, rest_;
   std::vector<double> target_, residual_;
   Candidate trial_, best_;
   PlanarFrictionMode returning_;  // of the active set

@@ -321,6 +321,18 @@ int MassMatrix::forward(int number, const double *b, double *z, double *scaled) 
   return from;
 }
 
+void MassMatrix::forward(const double *b, double *z, double *scaled) const {
+  if (!isDiagonal_) {
+    for (int block = 0; block < static_cast<int>(blocks_.size()); ++block)
+      forward(block, b, z, scaled);
+    return;
+  }
+  for (int i = 0; i < size_; ++i) {
+    z[i] = b[i];
+    scaled[i] = b[i] * inverse_[i];
+  }
+}
+
 void MassMatrix::backward(double *y) const {
   for (const Block &block : blocks_) {
     const int n = block.end - block.begin;
@@ -332,7 +344,8 @@ void MassMatrix::backward(double *y) const {
 }
 
 void MassMatrix::addBackward(double *y, double *x) const {
-  backward(y);
+  if (!isDiagonal_)
+    backward(y);
   for (int place = 0; place < size_; ++place)
     x[rows_[place]] += y[place];
 }

@@ -14,6 +14,9 @@ namespace tf::runtime {
 
 class MassMatrix {
 public:
+  // Blocks up to this size have code of their own; their rows of L lie densely, one after the other.
+  static constexpr int fixedSize = 6;
+
   // Entries below the diagonal that may differ from zero: columns[rows[i]] … columns[rows[i + 1] − 1] of row i, ascending. Null: all.
   explicit MassMatrix(int size, const std::int32_t *rows = nullptr, const std::int32_t *columns = nullptr);
 
@@ -34,6 +37,8 @@ public:
   [[nodiscard]] int blockOf(int row) const { return blockOf_[row]; }
   // z = L⁻¹ P b and scaled = Δ⁻¹ z on the places of one block. Returns the first place whose z is not zero, or the block's end.
   int forward(int block, const double *b, double *z, double *scaled) const;
+  // The same on all places.
+  void forward(const double *b, double *z, double *scaled) const;
   // Row of M of a place, and 1/Δ there.
   [[nodiscard]] int rowAt(int place) const { return rows_[place]; }
   [[nodiscard]] double inverseAt(int place) const { return inverse_[place]; }
@@ -45,9 +50,6 @@ public:
   void addBackward(double *y, double *x) const;
 
 private:
-  // Blocks up to this size have code of their own; their rows of L lie densely, one after the other.
-  static constexpr int fixedSize = 6;
-
   struct Pattern;
   void order(const Pattern &pattern);
   void addBlock(const Pattern &pattern, std::vector<int> rows);

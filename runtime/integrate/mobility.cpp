@@ -30,8 +30,7 @@ bool Mobility::setConstraints(const double *jacobian) {
     const Eigen::Map<const Eigen::VectorXd> row(jacobian + static_cast<std::ptrdiff_t>(k) * nv_, nv_);
     if (!row.allFinite())
       return false;
-    for (int block = 0; block < static_cast<int>(mass_.blocks().size()); ++block)
-      mass_.forward(block, row.data(), half_.col(k).data(), scaledHalf_.col(k).data());
+    mass_.forward(row.data(), half_.col(k).data(), scaledHalf_.col(k).data());
     response_.col(k).setZero();
     second_ = scaledHalf_.col(k);
     mass_.addBackward(second_.data(), response_.col(k).data());

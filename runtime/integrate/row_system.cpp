@@ -254,8 +254,25 @@ void RowSystem::copyTwins(DenseMatrix &delassus) const {
       std::copy_n(delassus.column(twin_[j]), m, delassus.column(j));
 }
 
+// All rows as a whole.
+void RowSystem::respondAsWhole(DenseMatrix &delassus) {
+  const int m = count();
+  const MassMatrix &mass = mobility_->mass();
+  for (int i = 0; i < m; ++i) {
+    double *half = half_.data() + static_cast<std::ptrdiff_t>(i) * nv_, *scaled = scaled_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
+    mass.forward(jacobian(i), half, scaled);
+    if (mobility_->isConstrained())
+      mobility_->constrain(jacobian(i), half, scaled);
+    double *column = delassus.column(i);
+    for (int j = 0; j <= i; ++j)
+      column[j] = delassus(i, j) = dot(half, scaled_.data() + static_cast<std::ptrdiff_t>(j) * nv_, nv_);
+  }
+}
+
 void RowSystem::respond(const ModelEvaluation &at, DenseMatrix &delassus) {
   mobility_ = &at.mobility;
+  if (isWhole())
+    return respondAsWhole(delassus);
   parts_.resize(mobility_->mass().blocks().size());
   for (std::vector<Part> &parts : parts_)
     parts.clear();
@@ -332,7 +349,15 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
   forces = sumOverTwins(forces);
   std::fill(sum_.begin(), sum_.end(), 0.0);
   bool any = false;
-  for (std::size_t block = 0; block < parts_.size(); ++block) {
+  for (int i = 0; i < count() && isWhole(); ++i) {
+    if (forces[i] == 0)
+      continue;
+    any = true;
+    const double *row = scaled_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
+    for (int k = 0; k < nv_; ++k)
+      sum_[k] += row[k] * forces[i];
+  }
+  for (std::size_t block = 0; !isWhole() && block < parts_.size(); ++block) {
     const int end = mobility_->mass().blocks()[block].end;
     if (isPanel(static_cast<int>(block))) {
       any = addPanel(static_cast<int>(block), forces) || any;

@@ -16,7 +16,8 @@ namespace tf::runtime {
 
 class RowSystem {
 public:
-  // Up to so many velocities, rows are read as a whole: that costs no more than looking for their zeros.
+  // Up to so many velocities, rows are read as a whole: that costs no more than looking for their zeros. (Up to MassMatrix::fixedSize, they
+  // go through the factorisation as a whole, too.)
   static constexpr int narrow = 8;
 
   // Normal rows of `contacts`, then the tangential rows `tangents` (increasing numbers of the model's table; a row of a contact needs its
@@ -95,6 +96,8 @@ private:
   void findTwin(int i);
   void copyTwins(DenseMatrix &delassus) const;
   const double *sumOverTwins(const double *forces) const;
+  [[nodiscard]] bool isWhole() const { return nv_ <= MassMatrix::fixedSize; }
+  void respondAsWhole(DenseMatrix &delassus);
   void halve(int i);
   [[nodiscard]] bool isPanel(int block) const { return !mobility_->isConstrained() && mobility_->mass().isLarge(block); }
   void halvePanel(int block);
