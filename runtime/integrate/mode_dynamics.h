@@ -114,6 +114,8 @@ public:
   // The same of some guards, and d/dt of the Gap guards (NaN of the others).
   void guardValues(std::span<const int> guards, double *values, double *rates);
   [[nodiscard]] double guardValue(int guard);
+  // d/dt of a Slip guard at the last evaluation's point.
+  [[nodiscard]] double slipRate(int guard) const;
   // The least and the largest value of a Force guard at the evaluations since restartMargins().
   [[nodiscard]] double leastMargin(int guard) const { return leastMargins_[guards_[guard].index]; }
   [[nodiscard]] double largestMargin(int guard) const { return largestMargins_[guards_[guard].index]; }

@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 namespace tf::runtime {
 
@@ -103,6 +104,13 @@ double ModeDynamics::guardValue(int guard) {
   else if (g.kind == GuardKind::Condition)
     at_.switching(ModelEvaluation::Conditions);
   return readGuard(g);
+}
+
+double ModeDynamics::slipRate(int guard) const {
+  const Guard &g = guards_[guard];
+  const auto nv = static_cast<std::size_t>(at_.model().nv), row = static_cast<std::size_t>(g.index);
+  return g.sign * std::inner_product(at_.acceleration.begin(), at_.acceleration.end(),
+                                     at_.tangent.begin() + static_cast<std::ptrdiff_t>(row * nv), at_.tangentBias[row]);
 }
 
 void ModeDynamics::evaluateGuards() {

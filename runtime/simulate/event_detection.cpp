@@ -80,6 +80,13 @@ void EventDetection::readGuards(double time, Sample &sample) {
       sample.value[k] = hop(k, time, sample.value[k], sample.rate[k]);
 }
 
+// Those of slips need accelerations: at the dynamics' last evaluation.
+void EventDetection::readSlipRates(Sample &sample) {
+  for (const int k : awake_)
+    if (dynamics_.guards()[k].kind == GuardKind::Slip)
+      sample.rate[k] = dynamics_.slipRate(k);
+}
+
 // On the interpolant; the guards that need forces are NaN where these are left out.
 bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
   integrator_->interpolate(time, state_.data());
@@ -136,6 +143,7 @@ void EventDetection::restart(double time, double speedOfRounding) {
     starts_[k].value = begin_.value[k];
     starts_[k].rate = begin_.rate[k];
   }
+  readSlipRates(begin_);
 }
 
 bool EventDetection::isCurrent() const { return awakeRevision_ == dynamics_.model().screen().revision(); }
@@ -400,7 +408,7 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
   }
 }
 
-// A gap that the step cannot have closed, by its rates at both ends.
+// A gap that the step cannot have closed, or a slip that it cannot have stopped, by its rates at both ends.
 bool EventDetection::isFar(int guard) const {
   const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
   return starts_[guard].armed != Arming::Not &&
@@ -502,6 +510,7 @@ DetectedEvent EventDetection::search() {
   first_.time = std::numeric_limits<double>::quiet_NaN();
   // The dynamics' last evaluation is at the end of the step.
   readGuards(integrator_->endTime(), end_);
+  readSlipRates(end_);
   samplesVarying_ = samplesVarying();
   bool quiet = true, steady = true;
   for (const int k : awake_) {
@@ -513,7 +522,7 @@ DetectedEvent EventDetection::search() {
     else if (isForceGuard(kind))
       steady = false;
     else
-      quiet = quiet && kind == GuardKind::Gap && isFar(k);
+      quiet = quiet && (kind == GuardKind::Gap || kind == GuardKind::Slip) && isFar(k);
   }
   // Long steps may turn a body round: their ends tell nothing.
   quiet = quiet && (!integrator_->isExactInside() || intervalCount() == 2);

@@ -70,6 +70,7 @@ private:
   void wake();
   DetectedEvent search();
   void readGuards(double time, Sample &sample);
+  void readSlipRates(Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] bool isFar(int guard) const;
   [[nodiscard]] bool isSteady(int guard) const;
