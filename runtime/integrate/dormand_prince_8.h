@@ -15,6 +15,7 @@ public:
   // The first call after an element evaluates the dynamics at three more points, and at the end again; where that fails, the cubic through
   // both ends is taken.
   void interpolate(double theta, double *y) const override;
+  [[nodiscard]] bool isInterpolantDear() const override { return !hasDense_; }
   [[nodiscard]] double errorOrder() const override { return 8; }
   [[nodiscard]] int interiorStages() const override { return 10; }
 

@@ -27,6 +27,8 @@ public:
                      double accuracy) = 0;
   // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element. The dynamics' last evaluation is as before, or at the end of the element.
   virtual void interpolate(double theta, double *y) const = 0;
+  // The next interpolate() evaluates the dynamics.
+  [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
   // The last element becomes the past that starting values are taken from.
   virtual void accept() {}
   // What it has learnt from the steps of a run and would make use of in other modes.

@@ -1,16 +1,10 @@
 #include "runtime/integrate/rock4.h"
 
+#include "runtime/integrate/hermite_interpolation.h"
+
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
 namespace tf::runtime {
-
-namespace {
-
-constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
-
-}  // namespace
 
 Rock4::Rock4(int size)
     : ElementMethod(size), tableau_(nullptr), begin_(size), beginRate_(size), before_(size), last_(size), next_(size),
@@ -86,23 +80,8 @@ void Rock4::estimateError() {
   }
 }
 
-// Velocities: the cubic with the accelerations of both ends, and the multiple of s²(1 − s)² that makes its integral end at the coordinate.
 void Rock4::interpolate(double theta, double *y) const {
-  const double r = 1 - theta, t2 = theta * theta, t3 = t2 * theta, t4 = t2 * t2;
-  const double cubic = t2 * (3 - 2 * theta), slope0 = theta * r * r, slope1 = -t2 * r;
-  const double cubicIntegral = t3 - t4 / 2, slope0Integral = t2 / 2 - 2 * t3 / 3 + t4 / 4, slope1Integral = t4 / 4 - t3 / 3;
-  const double bump = 30 * t2 * r * r, bumpIntegral = t3 * (10 - 15 * theta + 6 * t2);
-  for (int i = 0; i < nq_; ++i) {
-    const int v = nq_ + i;
-    const double q0 = begin_[i], q1 = end_[i], v0 = begin_[v], dv = end_[v] - v0, w0 = h_ * beginRate_[v], w1 = h_ * endRate_[v];
-    const double rest = (q1 - q0) - h_ * (v0 + dv / 2 + (w0 - w1) / 12);
-    y[i] = q0 + h_ * (v0 * theta + cubicIntegral * dv + slope0Integral * w0 + slope1Integral * w1) + bumpIntegral * rest;
-    y[v] = v0 + cubic * dv + slope0 * w0 + slope1 * w1;
-    if (std::abs(rest) > rounding * std::max(std::abs(q0), std::abs(q1)))
-      y[v] += bump * rest / h_;
-  }
-  for (int i = 2 * nq_; i < n_; ++i)
-    y[i] = begin_[i] + cubic * (end_[i] - begin_[i]) + h_ * (slope0 * beginRate_[i] + slope1 * endRate_[i]);
+  interpolateBetween({begin_.data(), beginRate_.data(), end_.data(), endRate_.data(), h_, n_, nq_}, theta, y);
 }
 
 }  // namespace tf::runtime

@@ -19,8 +19,7 @@ public:
   void restart() override {}
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
-  // Coordinates whose derivatives are the velocities: the polynomial of degree 5 with values, velocities and accelerations of both ends,
-  // and its derivative; other variables: the cubic with values and rates.
+  // From both ends (StepEnds).
   void interpolate(double theta, double *y) const override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return largestError(scale) / tolerance; }
   [[nodiscard]] double errorOrder() const override { return 4; }

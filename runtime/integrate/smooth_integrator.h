@@ -44,6 +44,10 @@ public:
   virtual bool shorten(double time) = 0;
   // State inside the last step, or beyond its end by at most reach() of its length.
   virtual void interpolate(double time, double *state) = 0;
+  // It evaluates the dynamics the next time.
+  [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
+  // The same from the states and rates at both ends alone (StepEnds): no evaluation, but the error is no part of the step's.
+  void interpolateEnds(double time, double *state) const;
   // As far the interpolant goes on smoothly, with the state and the rate that the step has at its end.
   [[nodiscard]] virtual double reach() const { return 0; }
   // The interpolant is as good as the step, far within the tolerance: the end may be moved to any time inside the step.

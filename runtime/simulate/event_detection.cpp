@@ -87,9 +87,16 @@ void EventDetection::readSlipRates(Sample &sample) {
       sample.rate[k] = dynamics_.slipRate(k);
 }
 
+void EventDetection::interpolate(double time) {
+  if (fromEnds_)
+    integrator_->interpolateEnds(time, state_.data());
+  else
+    integrator_->interpolate(time, state_.data());
+}
+
 // On the interpolant; the guards that need forces are NaN where these are left out.
 bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
-  integrator_->interpolate(time, state_.data());
+  interpolate(time);
   if (!withForces)
     dynamics_.model().setPoint(time, state_.data());
   else if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
@@ -119,7 +126,7 @@ double EventDetection::guardHere(int guard, double time) {
 }
 
 double EventDetection::guardInside(int guard, double time) {
-  integrator_->interpolate(time, state_.data());
+  interpolate(time);
   return guardAt(guard, time, state_.data());
 }
 
@@ -351,29 +358,27 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps
   return dips;
 }
 
-// Gaps have rates: an interval in which one may dip is halved until the cubic through the ends predicts the middle well enough to decide.
+// Whether a gap that may dip is not clearly positive between the samples: the cubic through the ends must predict the middle well enough.
+bool EventDetection::isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const {
+  const double h = b.time - a.time, value = middle.value[guard], rate = middle.rate[guard];
+  // The value there may fit by chance, not its rate as well.
+  const CubicHermite whole{a.value[guard], a.rate[guard], b.value[guard], b.rate[guard], h};
+  const double error = std::max(std::abs(whole.value(0.5) - value), 0.25 * std::abs(whole.slope(0.5) - h * rate));
+  const double left = CubicHermite{a.value[guard], a.rate[guard], value, rate, 0.5 * h}.interiorMinimum();
+  const double right = CubicHermite{value, rate, b.value[guard], b.rate[guard], 0.5 * h}.interiorMinimum();
+  // The cubics on the halves are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow post.
+  return value < 0 || std::min({left, right, value}) < 4 * error || left < 0 || right < 0;
+}
+
+// Gaps have rates: an interval in which one may dip is halved until it is clear whether it does.
 void EventDetection::examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first) {
   const bool divide = examineEnds(a, b, depth > 0, first);
   if (!divide || depth >= deepest || (first.guard >= 0 && first.time <= a.time))
     return;
-  const double h = b.time - a.time;
   Sample &middle = pool_[depth];
   if (!sampleInside(0.5 * (a.time + b.time), false, middle))
     return;
-  bool again = false;
-  for (const int k : awake_) {
-    if (isSampled(k) || !mayDip(k, a, b))
-      continue;
-    // The value there may fit by chance, not its rate as well.
-    const CubicHermite whole{a.value[k], a.rate[k], b.value[k], b.rate[k], h};
-    const double error = std::max(std::abs(whole.value(0.5) - middle.value[k]), 0.25 * std::abs(whole.slope(0.5) - h * middle.rate[k]));
-    const double left = CubicHermite{a.value[k], a.rate[k], middle.value[k], middle.rate[k], 0.5 * h}.interiorMinimum();
-    const double right = CubicHermite{middle.value[k], middle.rate[k], b.value[k], b.rate[k], 0.5 * h}.interiorMinimum();
-    // The cubics on the halves are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow
-    // post.
-    again = again || middle.value[k] < 0 || std::min({left, right, middle.value[k]}) < 4 * error || left < 0 || right < 0;
-  }
-  if (!again)
+  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return !isSampled(k) && mayDip(k, a, b) && isUnclear(k, a, middle, b); }))
     return;
   examine(a, middle, depth + 1, first);
   if (first.guard < 0 || first.time > middle.time)
@@ -408,20 +413,6 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
   }
 }
 
-// A gap that the step cannot have closed, or a slip that it cannot have stopped, by its rates at both ends.
-bool EventDetection::isFar(int guard) const {
-  const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
-  return starts_[guard].armed != Arming::Not &&
-         std::min(begin_.value[guard], end_.value[guard]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)});
-}
-
-// A force that dips nowhere in the step where the method has evaluated it.
-bool EventDetection::isSteady(int guard) const {
-  const double least = dynamics_.leastMargin(guard);
-  return starts_[guard].armed != Arming::Not && integrator_->samplesInside() && least > 0 &&
-         least > 0.5 * std::min(begin_.value[guard], end_.value[guard]);
-}
-
 // Functions of angles must not turn round unseen between two samples: into so many equal parts the step is divided at least.
 int EventDetection::intervalCount() const {
   constexpr double most = 1000;
@@ -433,56 +424,6 @@ int EventDetection::intervalCount() const {
     turn = std::max(turn, std::max(std::abs(integrator_->beginRate()[i]), std::abs(integrator_->endRate()[i])) /
                               integrator_->settings().scale[i]);
   return std::max(2, static_cast<int>(std::min(std::ceil(h * turn / farthest), most)));
-}
-
-// Where all guards are gaps that are cubic functions of time over a step that is long for want of errors, as in free flight: their zeros
-// are those of the cubics through the ends, of which a sample at a place that no period divides is the proof. False: they are not.
-bool EventDetection::examineCubics(DetectedEvent &first) {
-  constexpr double place = 0.5 * 0.3819660112501051;
-  constexpr double accepted = 1e-9;
-  if (!integrator_->isExactInside())
-    return false;
-  const double h = end_.time - begin_.time;
-  for (const int k : awake_)
-    if (!isSampled(k) && (dynamics_.guards()[k].kind != GuardKind::Gap || starts_[k].armed == Arming::Not))
-      return false;
-  if (!sampleInside(begin_.time + place * h, false, inner_[0]))
-    return false;
-  for (const int k : awake_) {
-    if (isSampled(k))
-      continue;
-    const double a = begin_.value[k], b = end_.value[k], da = begin_.rate[k], db = end_.rate[k];
-    const double size = std::max({std::abs(a), std::abs(b), h * std::abs(da), h * std::abs(db)});
-    if (!(std::abs(CubicHermite{a, da, b, db, h}.value(place) - inner_[0].value[k]) <= accepted * size))
-      return false;
-  }
-  first = {};
-  for (const int k : awake_)
-    if (!isSampled(k) && !cubicZero(k, first))
-      return false;
-  return true;
-}
-
-// The first zero of the cubic through the ends of the step, at least a part of it away from its begin. False: it is not clear.
-bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
-  const double a = begin_.value[guard], b = end_.value[guard], da = begin_.rate[guard], db = end_.rate[guard];
-  const double h = end_.time - begin_.time, zero = level(guard);
-  const bool opens = a <= threshold(guard);
-  if (opens && !(da > 0 && a >= -threshold(guard)))
-    return false;
-  if (b - zero >= 0) {
-    const double least = CubicHermite{a, da, b, db, h}.interiorMinimum();
-    return std::min(least, b) - zero > threshold(guard) || (least == std::numeric_limits<double>::infinity() && b - zero > 0);
-  }
-  const double place = db < 0 ? CubicHermite{opens ? 0 : a - zero, da, b - zero, db, h}.lastZero() : -1;
-  // The cubic is positive all the way to there if it rises at its begin or falls from a positive value, and bends down only.
-  const double bend = 6 * (b - a) - 2 * h * (2 * da + db), bendAtEnd = 6 * (a - b) + 2 * h * (da + 2 * db);
-  if (!(place > 1e-3) || bend > 0 || bendAtEnd > 0)
-    return false;
-  const double time = begin_.time + place * h;
-  if (first.guard < 0 || time < first.time)
-    first = {guard, time, begin_.time, end_.time, CubicHermite{a, da, b, db, h}.slope(place) / h};
-  return true;
 }
 
 DetectedEvent EventDetection::detect() {
@@ -512,7 +453,7 @@ DetectedEvent EventDetection::search() {
   readGuards(integrator_->endTime(), end_);
   readSlipRates(end_);
   samplesVarying_ = samplesVarying();
-  bool quiet = true, steady = true;
+  bool quiet = true, steady = true, movesOnly = true;
   for (const int k : awake_) {
     if (isSampled(k))
       continue;
@@ -521,14 +462,17 @@ DetectedEvent EventDetection::search() {
       steady = steady && isSteady(k);
     else if (isForceGuard(kind))
       steady = false;
-    else
-      quiet = quiet && (kind == GuardKind::Gap || kind == GuardKind::Slip) && isFar(k);
+    else if (!((kind == GuardKind::Gap || kind == GuardKind::Slip) && isFar(k))) {
+      quiet = false;
+      movesOnly = movesOnly && (kind == GuardKind::Gap || kind == GuardKind::Slip);
+    }
   }
   // Long steps may turn a body round: their ends tell nothing.
   quiet = quiet && (!integrator_->isExactInside() || intervalCount() == 2);
   if (!(quiet && steady) && !examineCubics(first)) {
     first = {};
-    examineSamples(!steady, first);
+    if (!(steady && movesOnly && examineEndsAlone(first)))
+      examineSamples(!steady, first);
   }
   if (samplesVarying_)
     examineVarying(first);

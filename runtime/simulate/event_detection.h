@@ -72,12 +72,10 @@ private:
   void readGuards(double time, Sample &sample);
   void readSlipRates(Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
-  [[nodiscard]] bool isFar(int guard) const;
-  [[nodiscard]] bool isSteady(int guard) const;
   [[nodiscard]] int intervalCount() const;
-  bool examineCubics(DetectedEvent &first);
-  bool cubicZero(int guard, DetectedEvent &first) const;
   void examineSamples(bool withForces, DetectedEvent &first);
+  [[nodiscard]] bool isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const;
+  void interpolate(double time);
   bool examineEnds(const Sample &a, const Sample &b, bool onlyGaps, DetectedEvent &first);
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
   void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
@@ -93,6 +91,16 @@ private:
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
   double guardHere(int guard, double time);
+  // event_screening.cpp
+  [[nodiscard]] bool isFar(int guard) const;
+  [[nodiscard]] bool isSteady(int guard) const;
+  bool examineCubics(DetectedEvent &first);
+  bool cubicZero(int guard, DetectedEvent &first) const;
+  bool examineEndsAlone(DetectedEvent &first);
+  [[nodiscard]] bool falls(int guard, const Sample &middle) const;
+  [[nodiscard]] double misfit(int guard, const Sample &middle) const;
+  [[nodiscard]] bool isUncertainSlip(int guard, const Sample &middle) const;
+  bool gapsStayOpen(int except, const Sample &a, const Sample &b, int depth);
   // event_sampling.cpp
   Probe probe(int guard, double time);
   bool isSteadyForce(int guard);
@@ -123,6 +131,7 @@ private:
   long long awakeRevision_ = -1;
   bool needsForces_ = false;
   bool varies_ = false;          // a guard does (Guard::varies)
+  bool fromEnds_ = false;        // the interpolant is that of the ends of the step
   bool samplesVarying_ = false;  // event_sampling.cpp looks for the zeros of those in this step
   double probeStep_ = 0;         // of differences of guards
   int divisions_ = 0;            // of the step, for one guard

@@ -150,7 +150,16 @@ bool EventDetection::extend(int guard, double zero, double value, double slope, 
   const double resolution = 0.5 * std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
   const int n = dynamics_.size();
   double x = base;
-  integrator_->interpolate(base, state_.data());
+  // So near an end the curve through both of them is off by a part of the error of the step.
+  constexpr double near = 1e-4;
+  const bool fromEnds = integrator_->isInterpolantDear() && std::abs(value / slope) <= near * (base - integrator_->beginTime());
+  const auto follow = [this, fromEnds](double time) {
+    if (fromEnds)
+      integrator_->interpolateEnds(time, state_.data());
+    else
+      integrator_->interpolate(time, state_.data());
+  };
+  follow(base);
   nudgeBase_.resize(n);
   for (int i = 0; i < n; ++i)
     nudgeBase_[i] = integrator_->end()[i] - state_[i];
@@ -165,7 +174,7 @@ bool EventDetection::extend(int guard, double zero, double value, double slope, 
       break;
     const double before = value, step = next - x;
     x = next;
-    integrator_->interpolate(x, state_.data());
+    follow(x);
     for (int i = 0; i < n; ++i)
       state_[i] += nudgeBase_[i];
     value = guardAt(guard, x, state_.data()) - zero;

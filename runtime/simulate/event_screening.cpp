@@ -1,0 +1,144 @@
+// What the values and rates of guards at the ends of a step tell of zeros inside it, without samples on the interpolant.
+#include "runtime/simulate/cubic_hermite.h"
+#include "runtime/simulate/event_detection.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace tf::runtime {
+
+// A gap that the step cannot have closed, or a slip that it cannot have stopped, by its rates at both ends.
+bool EventDetection::isFar(int guard) const {
+  const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
+  return starts_[guard].armed != Arming::Not &&
+         std::min(begin_.value[guard], end_.value[guard]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)});
+}
+
+// A force that dips nowhere in the step where the method has evaluated it.
+bool EventDetection::isSteady(int guard) const {
+  const double least = dynamics_.leastMargin(guard);
+  return starts_[guard].armed != Arming::Not && integrator_->samplesInside() && least > 0 &&
+         least > 0.5 * std::min(begin_.value[guard], end_.value[guard]);
+}
+
+// Where all guards are gaps that are cubic functions of time over a step that is long for want of errors, as in free flight: their zeros
+// are those of the cubics through the ends, of which a sample at a place that no period divides is the proof. False: they are not.
+bool EventDetection::examineCubics(DetectedEvent &first) {
+  constexpr double place = 0.5 * 0.3819660112501051;
+  constexpr double accepted = 1e-9;
+  if (!integrator_->isExactInside())
+    return false;
+  const double h = end_.time - begin_.time;
+  for (const int k : awake_)
+    if (!isSampled(k) && (dynamics_.guards()[k].kind != GuardKind::Gap || starts_[k].armed == Arming::Not))
+      return false;
+  if (!sampleInside(begin_.time + place * h, false, inner_[0]))
+    return false;
+  for (const int k : awake_) {
+    if (isSampled(k))
+      continue;
+    const double a = begin_.value[k], b = end_.value[k], da = begin_.rate[k], db = end_.rate[k];
+    const double size = std::max({std::abs(a), std::abs(b), h * std::abs(da), h * std::abs(db)});
+    if (!(std::abs(CubicHermite{a, da, b, db, h}.value(place) - inner_[0].value[k]) <= accepted * size))
+      return false;
+  }
+  first = {};
+  for (const int k : awake_)
+    if (!isSampled(k) && !cubicZero(k, first))
+      return false;
+  return true;
+}
+
+// The first zero of the cubic through the ends of the step, at least a part of it away from its begin. False: it is not clear.
+bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
+  const double a = begin_.value[guard], b = end_.value[guard], da = begin_.rate[guard], db = end_.rate[guard];
+  const double h = end_.time - begin_.time, zero = level(guard);
+  const bool opens = a <= threshold(guard);
+  if (opens && !(da > 0 && a >= -threshold(guard)))
+    return false;
+  if (b - zero >= 0) {
+    const double least = CubicHermite{a, da, b, db, h}.interiorMinimum();
+    return std::min(least, b) - zero > threshold(guard) || (least == std::numeric_limits<double>::infinity() && b - zero > 0);
+  }
+  const double place = db < 0 ? CubicHermite{opens ? 0 : a - zero, da, b - zero, db, h}.lastZero() : -1;
+  // The cubic is positive all the way to there if it rises at its begin or falls from a positive value, and bends down only.
+  const double bend = 6 * (b - a) - 2 * h * (2 * da + db), bendAtEnd = 6 * (a - b) + 2 * h * (da + 2 * db);
+  if (!(place > 1e-3) || bend > 0 || bendAtEnd > 0)
+    return false;
+  const double time = begin_.time + place * h;
+  if (first.guard < 0 || time < first.time)
+    first = {guard, time, begin_.time, end_.time, CubicHermite{a, da, b, db, h}.slope(place) / h};
+  return true;
+}
+
+// Where gaps and slips alone may end the mode, and the interpolant costs evaluations: whether the curve through the states and rates at the
+// ends of the step shows that they do not, or that one of them falls to zero, all the way, and the others do not. The event is located on
+// the step itself, so that its time here is a first guess. False: it does not show it.
+bool EventDetection::examineEndsAlone(DetectedEvent &first) {
+  if (!integrator_->isInterpolantDear() || watched_ || intervalCount() > 2)
+    return false;
+  int falling = -1;
+  for (const int k : awake_) {
+    if (isSampled(k) || isForceGuard(dynamics_.guards()[k].kind) || isFar(k))
+      continue;
+    const bool falls = end_.value[k] < level(k);
+    if (starts_[k].armed == Arming::Not || begin_.value[k] <= threshold(k) || (falls && falling >= 0))
+      return false;
+    if (falls)
+      falling = k;
+  }
+  fromEnds_ = true;
+  Sample &middle = inner_[0];
+  sampleInside(0.5 * (begin_.time + end_.time), false, middle);
+  const auto mayStop = [&](int k) { return k != falling && isUncertainSlip(k, middle); };
+  bool isClear = std::none_of(awake_.begin(), awake_.end(), mayStop) && gapsStayOpen(falling, begin_, middle, 1) &&
+                 gapsStayOpen(falling, middle, end_, 1) && (falling < 0 || falls(falling, middle));
+  if (falling >= 0 && isClear)
+    bracket(falling, begin_, end_, first);
+  fromEnds_ = false;
+  return isClear;
+}
+
+// Through both ends of the step and a sample between.
+bool EventDetection::falls(int guard, const Sample &middle) const {
+  const double highest = std::max(begin_.rate[guard], end_.rate[guard]);
+  if (dynamics_.guards()[guard].kind == GuardKind::Gap)
+    return std::max(highest, middle.rate[guard]) < 0;
+  return highest < 0 && misfit(guard, middle) <= 0.1 * begin_.value[guard];
+}
+
+// Of the cubic through the values and rates at both ends of the step.
+double EventDetection::misfit(int guard, const Sample &middle) const {
+  const double h = end_.time - begin_.time;
+  const CubicHermite whole{begin_.value[guard], begin_.rate[guard], end_.value[guard], end_.rate[guard], h};
+  return std::abs(whole.value(0.5) - middle.value[guard]);
+}
+
+// A slip that may come to zero in the step, as far as a sample in its middle tells.
+bool EventDetection::isUncertainSlip(int guard, const Sample &middle) const {
+  if (dynamics_.guards()[guard].kind != GuardKind::Slip || isSampled(guard) || isFar(guard))
+    return false;
+  const double a = begin_.value[guard], b = end_.value[guard], h = end_.time - begin_.time;
+  const double inside = CubicHermite{a, begin_.rate[guard], b, end_.rate[guard], h}.interiorMinimum();
+  return !(std::min({a, b, inside, middle.value[guard]}) > 4 * misfit(guard, middle));
+}
+
+// All but one of the gaps, by samples from the ends of the step. False: it is not clear.
+bool EventDetection::gapsStayOpen(int except, const Sample &a, const Sample &b, int depth) {
+  constexpr int deepestByEnds = 3;
+  const auto mayClose = [&](int k) { return k != except && !isSampled(k) && mayDip(k, a, b); };
+  if (std::any_of(awake_.begin(), awake_.end(), [&](int k) { return mayClose(k) && b.value[k] < level(k); }))
+    return false;
+  if (std::none_of(awake_.begin(), awake_.end(), mayClose))
+    return true;
+  if (depth > deepestByEnds)
+    return false;
+  Sample &middle = pool_[static_cast<std::size_t>(depth)];
+  sampleInside(0.5 * (a.time + b.time), false, middle);
+  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return mayClose(k) && isUnclear(k, a, middle, b); }))
+    return true;
+  return gapsStayOpen(except, a, middle, depth + 1) && gapsStayOpen(except, middle, b, depth + 1);
+}
+
+}  // namespace tf::runtime
