@@ -150,26 +150,23 @@ bool ModeDynamics::isTimeless() const {
          std::none_of(rows_.tangents().begin(), rows_.tangents().end(), [this](int row) { return at_.slipVaries(row); });
 }
 
-// By the rank of the rows that are zero in the mode, at the last evaluation's point.
+// By the rank of the rows that are zero in the mode, at the point of `prepare`.
 bool ModeDynamics::leavesNoVelocity() {
-  constexpr double independent = 1e-8;
+  constexpr double independent = 1e-6;
   const tf_model &model = at_.model();
-  completeRows();
-  std::vector<int> &held = heldRows_;
+  std::vector<const double *> &held = heldRows_;
   held.clear();
+  for (int row = 0; row < model.nh; ++row)
+    held.push_back(at_.constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model.nv);
   for (int i = 0; i < rows_.count(); ++i)
     if (i < rows_.normalCount() || contactMode_.slip[i - rows_.normalCount()] == 0)
-      held.push_back(i);
-  Eigen::MatrixXd &columns = heldColumns_;
-  columns.resize(model.nv, model.nh + static_cast<Eigen::Index>(held.size()));
-  for (int row = 0; row < model.nh; ++row)
-    columns.col(row) = Eigen::Map<const Eigen::VectorXd>(&at_.constraintJacobian[static_cast<std::size_t>(row) * model.nv], model.nv);
-  for (std::size_t i = 0; i < held.size(); ++i)
-    columns.col(model.nh + static_cast<Eigen::Index>(i)) = Eigen::Map<const Eigen::VectorXd>(rows_.jacobian(held[i]), model.nv);
-  columns.colwise().normalize();
-  heldFactor_.setThreshold(independent);
-  heldFactor_.compute(columns);
-  return heldFactor_.rank() == model.nv;
+      held.push_back(rows_.jacobian(i));
+  const int size = static_cast<int>(held.size());
+  heldFactor_.resize(size);
+  for (int j = 0; j < size; ++j)
+    for (int i = j; i < size; ++i)
+      heldFactor_.entry(i, j) = dot(held[i], held[j], model.nv);
+  return heldFactor_.factor(independent * independent) == model.nv;
 }
 
 bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *rate, const double *scale) {
@@ -185,8 +182,7 @@ bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *
   int heldRows = model.nh + rows_.normalCount();
   for (const std::int8_t slip : contactMode_.slip)
     heldRows += slip == 0 ? 1 : 0;
-  return heldRows >= model.nv && model.nv > 0 && sliding_.empty() && isTimeless() && evaluate(time, state, plus_.data()) &&
-         leavesNoVelocity();
+  return heldRows >= model.nv && model.nv > 0 && sliding_.empty() && isTimeless() && prepare(time, state) && leavesNoVelocity();
 }
 
 void ModeDynamics::keepEvaluation(double time, const double *state) {

@@ -258,9 +258,8 @@ private:
   // workspaces
   std::vector<int> contacts_, tangents_;
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
-  std::vector<int> heldRows_;
-  Eigen::MatrixXd heldColumns_;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> heldFactor_;
+  std::vector<const double *> heldRows_;
+  SemidefiniteFactor heldFactor_;
   Eigen::MatrixXd slidingMatrix_;
   Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;
 };

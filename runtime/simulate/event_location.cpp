@@ -184,6 +184,9 @@ bool EventDetection::extend(int guard, double zero, double value, double slope, 
       slope = (value - before) / step;
     if (!(slope < 0))
       return false;
+    // A tiny step that brings it no nearer to zero: what is left is rounding.
+    if (std::abs(step) <= 64 * resolution && std::abs(value) > 0.5 * std::abs(before))
+      break;
   }
   if (x != base) {
     std::copy(state_.begin(), state_.end(), integrator_->end());

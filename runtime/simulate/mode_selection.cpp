@@ -179,7 +179,6 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
       tangents.push_back(j);
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);
-  rates_.resize(problem_.normalCount, problem_.tangentCount);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const double slip = at_.slip[tangents[j]];
     if (roles_[tangents[j]] == TangentRole::Steady) {
@@ -269,6 +268,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   undecided_ = solution;
   if (!dynamics_.start(mode_, time, state, rate_.data()))
     return Trial::Consistent;
+  rates_.resize(problem_.normalCount, problem_.tangentCount);
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
   writeMode(solver_.resolve(problem_, undecided_, rates_, &previousContacts_).mode);
   return Trial::Consistent;

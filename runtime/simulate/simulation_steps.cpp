@@ -18,6 +18,9 @@ tf_status Simulation::Implementation::projectEnd() {
   if (!dynamics_.needsProjection())
     return TF_OK;
   SmoothIntegrator &integrator = integrators_.current();
+  // At rest: the begin of a step has been projected.
+  if (std::equal(integrator.begin(), integrator.begin() + model_.nq + model_.nv, integrator.end()))
+    return TF_OK;
   double way = 0, left = 1;
   for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
     const double before = integrator.correction();

@@ -5,6 +5,7 @@
 #include "tests/unit/runtime/allocation_counter.h"
 #include "tests/unit/runtime/hand_written_models.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <memory>
@@ -100,6 +101,29 @@ TEST(FoldedForces, ProjectionsAreThoseOfAllRows) {
       EXPECT_NEAR(change[0], 0, 1e-16);
     }
     EXPECT_NEAR(inertia * change[2], along * normal[2] + across * slip[2], 1e-12);
+  }
+}
+
+TEST(ModeDynamics, SlipRatesAreTheDerivativesOfSlips) {
+  constexpr double difference = 1e-6;
+  for (const Tangent tangent : {Tangent::SlipPositive, Tangent::SlipNegative}) {
+    Box box(0.3, tangent == Tangent::SlipPositive ? 0.7 : -0.7, tangent);
+    std::vector<double> rate(box.state.size());
+    ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), rate.data()));
+    const auto slip = [](const Guard &guard) { return guard.kind == GuardKind::Slip; };
+    const std::vector<Guard> &guards = box.dynamics.guards();
+    const int guard = static_cast<int>(std::find_if(guards.begin(), guards.end(), slip) - guards.begin());
+    ASSERT_LT(guard, static_cast<int>(guards.size()));
+    const double slipRate = box.dynamics.slipRate(guard);
+    const auto valueAfter = [&](double time) {
+      std::vector<double> moved = box.state;
+      for (std::size_t i = 0; i < moved.size(); ++i)
+        moved[i] += time * rate[i];
+      box.at.setPoint(time, moved.data());
+      return box.dynamics.guardValue(guard);
+    };
+    EXPECT_NEAR(slipRate, (valueAfter(difference) - valueAfter(-difference)) / (2 * difference), 1e-7 * std::abs(slipRate));
+    EXPECT_GT(std::abs(slipRate), 0.1);
   }
 }
 
