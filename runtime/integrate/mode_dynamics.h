@@ -116,8 +116,9 @@ public:
   [[nodiscard]] double guardValue(int guard);
   // d/dt of a Slip guard at the last evaluation's point.
   [[nodiscard]] double slipRate(int guard) const;
-  // The least and the largest value of a Force guard at the evaluations since restartMargins().
+  // The least and the largest value of a Force guard at the evaluations since restartMargins(), and when it was the least.
   [[nodiscard]] double leastMargin(int guard) const { return leastMargins_[guards_[guard].index]; }
+  [[nodiscard]] double leastMarginTime(int guard) const { return leastMarginTimes_[guards_[guard].index]; }
   [[nodiscard]] double largestMargin(int guard) const { return largestMargins_[guards_[guard].index]; }
   void restartMargins();
   // Values and rates of some guards at the model's point, wherever the dynamics has been evaluated last: of Gap and Slip guards (zero for
@@ -248,7 +249,7 @@ private:
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;
-  std::vector<double> leastMargins_, largestMargins_;  // of forces_
+  std::vector<double> leastMargins_, leastMarginTimes_, largestMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
   double tauRate_ = 1;
   long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none

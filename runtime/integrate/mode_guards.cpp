@@ -18,7 +18,10 @@ void ModeDynamics::restartMargins() {
 void ModeDynamics::recordMargins() {
   const auto values = isFolded_ ? folded_.marginValues() : forces_.marginValues();
   for (std::size_t k = 0; k < leastMargins_.size(); ++k) {
-    leastMargins_[k] = std::min(leastMargins_[k], values[k]);
+    if (values[k] < leastMargins_[k]) {
+      leastMargins_[k] = values[k];
+      leastMarginTimes_[k] = at_.time();
+    }
     largestMargins_[k] = std::max(largestMargins_[k], values[k]);
   }
 }
@@ -27,6 +30,7 @@ void ModeDynamics::buildGuards() {
   const tf_model &model = at_.model();
   guards_.clear();
   leastMargins_.assign(rows_.count() > 0 ? forces_.margins().size() : 0, -std::numeric_limits<double>::infinity());
+  leastMarginTimes_.assign(leastMargins_.size(), 0);
   largestMargins_.assign(leastMargins_.size(), std::numeric_limits<double>::infinity());
   for (int i = 0; i < model.nc; ++i)
     if (!mode_.closed[i])

@@ -18,6 +18,22 @@ constexpr double located = 1e-6;
 
 constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
 
+// A value of a function of time.
+struct Place {
+  double time, value;
+};
+
+// Of the parabola through three of them that bends up; NaN of others.
+Place bottomOfParabola(const std::array<Place, 3> &p) {
+  const double left = (p[1].value - p[0].value) / (p[1].time - p[0].time), right = (p[2].value - p[1].value) / (p[2].time - p[1].time);
+  const double bend = (right - left) / (p[2].time - p[0].time);
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  if (!(bend > 0))
+    return {none, none};
+  const double slope = left + bend * (p[1].time - p[0].time);  // at p[1]
+  return {p[1].time - slope / (2 * bend), p[1].value - slope * slope / (4 * bend)};
+}
+
 }  // namespace
 
 EventDetection::EventDetection(ModeDynamics &dynamics)
@@ -80,11 +96,29 @@ void EventDetection::readGuards(double time, Sample &sample) {
       sample.value[k] = hop(k, time, sample.value[k], sample.rate[k]);
 }
 
-// Those of slips need accelerations: at the dynamics' last evaluation.
-void EventDetection::readSlipRates(Sample &sample) {
+double EventDetection::stepAside(double time, const double *state, const double *rate) {
+  static const double increment = std::sqrt(std::numeric_limits<double>::epsilon());
+  for (int i = 0; i < dynamics_.size(); ++i)
+    state_[i] = state[i] + increment * rate[i];
+  dynamics_.model().setPoint(time + increment, state_.data());
+  return increment;
+}
+
+// Where the dynamics has been evaluated last. Rates of slips need accelerations, those of conditions and of slips of two components are
+// differences.
+void EventDetection::readEnd(double time, const double *state, const double *rate, Sample &sample) {
+  double increment = 0;
+  if (hasDifferences_) {
+    increment = stepAside(time, state, rate);
+    readGuards(time + increment, shifted_);
+    dynamics_.model().setPoint(time, state);
+  }
+  readGuards(time, sample);
   for (const int k : awake_)
     if (dynamics_.guards()[k].kind == GuardKind::Slip)
       sample.rate[k] = dynamics_.slipRate(k);
+    else if (hasRateByDifference(dynamics_.guards()[k].kind))
+      sample.rate[k] = (shifted_.value[k] - sample.value[k]) / increment;
 }
 
 void EventDetection::interpolate(double time) {
@@ -96,12 +130,22 @@ void EventDetection::interpolate(double time) {
 
 // On the interpolant; the guards that need forces are NaN where these are left out.
 bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
+  if (needsRates_) {
+    const double shift = time + probeStep_;
+    interpolate(shift);
+    dynamics_.model().setPoint(shift, state_.data());
+    readGuards(shift, shifted_);
+  }
   interpolate(time);
   if (!withForces)
     dynamics_.model().setPoint(time, state_.data());
   else if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
     return false;
   readGuards(time, sample);
+  if (needsRates_)
+    for (const int k : awake_)
+      if (hasRateByDifference(dynamics_.guards()[k].kind))
+        sample.rate[k] = (shifted_.value[k] - sample.value[k]) / probeStep_;
   if (needsForces_ && !withForces)
     for (const int k : awake_)
       if (isForceGuard(dynamics_.guards()[k].kind))
@@ -134,6 +178,8 @@ void EventDetection::restart(double time, double speedOfRounding) {
   needsForces_ =
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
   varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
+  hasDifferences_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(),
+                                [](const Guard &guard) { return hasRateByDifference(guard.kind) && guard.kind != GuardKind::Slip; });
   cut_ = false;
   starts_.assign(dynamics_.guards().size(), {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0});
   // A gap whose reading leaves the screen's box wakes contacts.
@@ -150,7 +196,6 @@ void EventDetection::restart(double time, double speedOfRounding) {
     starts_[k].value = begin_.value[k];
     starts_[k].rate = begin_.rate[k];
   }
-  readSlipRates(begin_);
 }
 
 bool EventDetection::isCurrent() const { return awakeRevision_ == dynamics_.model().screen().revision(); }
@@ -211,6 +256,7 @@ void EventDetection::resume(double time, double speedOfRounding) {
 }
 
 void EventDetection::watchStart() {
+  readEnd(integrator_->endTime(), integrator_->end(), integrator_->endRate(), begin_);
   watched_ = false;
   for (const int k : awake_)
     watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(k));
@@ -333,21 +379,21 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
     first = event;
 }
 
-// A gap that may come near zero between the samples: its own rates could take it there.
+// A guard that may come near zero between the samples: its own rates could take it there.
 bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
-  if (dynamics_.guards()[guard].kind != GuardKind::Gap || starts_[guard].armed == Arming::Not)
+  if (!hasRate(dynamics_.guards()[guard].kind) || starts_[guard].armed == Arming::Not)
     return false;
   const double h = b.time - a.time;
   const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
   return std::min(a.value[guard], b.value[guard]) < reach;
 }
 
-// Zeros between two samples, of all guards (or of gaps alone, where the samples inside a larger interval have no others), and which gaps
-// may dip between. True: one may.
-bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps, DetectedEvent &first) {
+// Zeros between two samples, of all guards (or of those with rates, where the samples inside a larger interval have no others), and which
+// of these may dip between. True: one may.
+bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool withForces, DetectedEvent &first) {
   bool dips = false;
   for (const int k : awake_) {
-    if ((onlyGaps && dynamics_.guards()[k].kind != GuardKind::Gap) || isSampled(k))
+    if ((!withForces && isForceGuard(dynamics_.guards()[k].kind)) || isSampled(k))
       continue;
     if (a.value[k] > threshold(k))
       starts_[k].armed = Arming::ByValue;
@@ -358,7 +404,7 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool onlyGaps
   return dips;
 }
 
-// Whether a gap that may dip is not clearly positive between the samples: the cubic through the ends must predict the middle well enough.
+// Whether a guard that may dip is not clearly positive between the samples: the cubic through the ends must predict the middle well enough.
 bool EventDetection::isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const {
   const double h = b.time - a.time, value = middle.value[guard], rate = middle.rate[guard];
   // The value there may fit by chance, not its rate as well.
@@ -370,9 +416,9 @@ bool EventDetection::isUnclear(int guard, const Sample &a, const Sample &middle,
   return value < 0 || std::min({left, right, value}) < 4 * error || left < 0 || right < 0;
 }
 
-// Gaps have rates: an interval in which one may dip is halved until it is clear whether it does.
+// An interval in which a guard with a rate may dip is halved until it is clear whether it does.
 void EventDetection::examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first) {
-  const bool divide = examineEnds(a, b, depth > 0, first);
+  const bool divide = examineEnds(a, b, depth == 0, first);
   if (!divide || depth >= deepest || (first.guard >= 0 && first.time <= a.time))
     return;
   Sample &middle = pool_[depth];
@@ -385,31 +431,53 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
     examine(middle, b, depth + 1, first);
 }
 
-// Forces, slips and conditions have no rates: the parabola through three samples shows a dip between them.
+// Forces have no rates.
 void EventDetection::examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
-  const double h = b.time - a.time;
-  for (const int k : awake_) {
-    if (dynamics_.guards()[k].kind == GuardKind::Gap || isSampled(k) || starts_[k].armed == Arming::Not || !(middle.value[k] >= 0) ||
-        b.value[k] < 0)
-      continue;
-    const double curvature = 2 * (a.value[k] - 2 * middle.value[k] + b.value[k]);
-    const double slope = b.value[k] - a.value[k];
-    if (!(curvature > 0))
-      continue;
-    const double s = 0.5 - slope / (2 * curvature);
-    if (!(s > 0 && s < 1))
-      continue;
-    const double least = middle.value[k] - slope * slope / (8 * curvature);
-    if (least > 0.2 * std::min({a.value[k], middle.value[k], b.value[k]}))
-      continue;
-    const double time = a.time + s * h;
-    Sample &bottom = pool_[0];
-    bottom.time = time;
-    bottom.value.resize(dynamics_.guards().size());
-    bottom.rate.resize(dynamics_.guards().size());
-    bottom.value[k] = guardInside(k, time);
-    if (bottom.value[k] < 0)
-      bracket(k, time < middle.time ? a : middle, bottom, first);
+  for (const int k : awake_)
+    if (isForceGuard(dynamics_.guards()[k].kind) && !isSampled(k) && starts_[k].armed != Arming::Not && middle.value[k] >= 0 &&
+        b.value[k] >= 0)
+      examineDip(k, a, middle, b, first);
+}
+
+// A force that is positive at three samples, between them: at the bottom of the parabola through them, and of those through what is found
+// there, until it is negative or clear of zero. Where a stage of the method has met less than all samples, the search begins there.
+void EventDetection::examineDip(int guard, const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
+  constexpr int mostSamples = 8;
+  constexpr double clear = 0.2, resolved = 1e-3;
+  std::array<Place, 3> p = {Place{a.time, a.value[guard]}, Place{middle.time, middle.value[guard]}, Place{b.time, b.value[guard]}};
+  double place = std::numeric_limits<double>::quiet_NaN();
+  if (dynamics_.guards()[guard].kind == GuardKind::Force && integrator_->samplesInside()) {
+    const double time = dynamics_.leastMarginTime(guard), least = dynamics_.leastMargin(guard);
+    if (time > a.time && time < b.time && least < std::min({p[0].value, p[1].value, p[2].value}))
+      place = time;
+  }
+  for (int k = 0; k < mostSamples; ++k) {
+    if (std::isnan(place)) {
+      const auto [time, least] = bottomOfParabola(p);
+      if (!(time > p[0].time && time < p[2].time) || least > clear * std::min({p[0].value, p[1].value, p[2].value}))
+        return;
+      place = time;
+    }
+    const double nearest = std::min({std::abs(place - p[0].time), std::abs(place - p[1].time), std::abs(place - p[2].time)});
+    if (nearest <= resolved * (p[2].time - p[0].time))
+      return;
+    const Place found{place, guardInside(guard, place)};
+    if (!(found.value >= 0)) {
+      Sample &bottom = pool_[0];
+      bottom.time = found.time;
+      bottom.value.resize(dynamics_.guards().size());
+      bottom.rate.resize(dynamics_.guards().size());
+      bottom.value[guard] = found.value;
+      if (found.value < 0)
+        bracket(guard, found.time < middle.time ? a : middle, bottom, first);
+      return;
+    }
+    // The least one and its neighbours, or the three that are nearest to it.
+    std::array<Place, 4> all = {p[0], p[1], p[2], found};
+    std::sort(all.begin(), all.end(), [](const Place &x, const Place &y) { return x.time < y.time; });
+    const bool isLeft = std::min(all[0].value, all[1].value) <= std::min(all[2].value, all[3].value);
+    std::copy_n(all.begin() + (isLeft ? 0 : 1), 3, p.begin());
+    place = std::numeric_limits<double>::quiet_NaN();
   }
 }
 
@@ -450,10 +518,10 @@ DetectedEvent EventDetection::search() {
   DetectedEvent first;
   first_.time = std::numeric_limits<double>::quiet_NaN();
   // The dynamics' last evaluation is at the end of the step.
-  readGuards(integrator_->endTime(), end_);
-  readSlipRates(end_);
+  readEnd(integrator_->endTime(), integrator_->end(), integrator_->endRate(), end_);
   samplesVarying_ = samplesVarying();
-  bool quiet = true, steady = true, movesOnly = true;
+  bool quiet = true, steady = true;
+  needsRates_ = false;
   for (const int k : awake_) {
     if (isSampled(k))
       continue;
@@ -462,16 +530,18 @@ DetectedEvent EventDetection::search() {
       steady = steady && isSteady(k);
     else if (isForceGuard(kind))
       steady = false;
-    else if (!((kind == GuardKind::Gap || kind == GuardKind::Slip) && isFar(k))) {
+    else if (!isFar(k) || kind == GuardKind::Condition) {
       quiet = false;
-      movesOnly = movesOnly && (kind == GuardKind::Gap || kind == GuardKind::Slip);
+      needsRates_ = needsRates_ || hasRateByDifference(kind);
     }
   }
+  // Differences in too short a step would be rounding; it has no room for a dip.
+  needsRates_ = needsRates_ && 100 * probeStep_ <= end_.time - begin_.time;
   // Long steps may turn a body round: their ends tell nothing.
   quiet = quiet && (!integrator_->isExactInside() || intervalCount() == 2);
   if (!(quiet && steady) && !examineCubics(first)) {
     first = {};
-    if (!(steady && movesOnly && examineEndsAlone(first)))
+    if (!(steady && examineEndsAlone(first)))
       examineSamples(!steady, first);
   }
   if (samplesVarying_)

@@ -21,6 +21,11 @@ struct DetectedEvent {
   return kind == GuardKind::Force || kind == GuardKind::StepLow || kind == GuardKind::StepHigh;
 }
 
+// It is a smooth function of the state between events; its rate is known, or a difference of its values.
+[[nodiscard]] inline bool hasRate(GuardKind kind) { return !isForceGuard(kind); }
+// The rate is such a difference, but for that of slips of one component at the ends of steps.
+[[nodiscard]] inline bool hasRateByDifference(GuardKind kind) { return hasRate(kind) && kind != GuardKind::Gap; }
+
 class EventDetection {
 public:
   explicit EventDetection(ModeDynamics &dynamics);
@@ -70,16 +75,20 @@ private:
   void wake();
   DetectedEvent search();
   void readGuards(double time, Sample &sample);
-  void readSlipRates(Sample &sample);
+  // Moves the model's point along dy/dt from (time, state), for differences of switching functions; by how much of time. They change by
+  // that times their derivative: what remains of it in the difference is as large as what it neglects.
+  double stepAside(double time, const double *state, const double *rate);
+  void readEnd(double time, const double *state, const double *rate, Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] int intervalCount() const;
   void examineSamples(bool withForces, DetectedEvent &first);
   [[nodiscard]] bool isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const;
   void interpolate(double time);
-  bool examineEnds(const Sample &a, const Sample &b, bool onlyGaps, DetectedEvent &first);
+  bool examineEnds(const Sample &a, const Sample &b, bool withForces, DetectedEvent &first);
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
   void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
+  void examineDip(int guard, const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
   bool fallsLater(int guard, const DetectedEvent &first);
   void bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first);
   void newtonZero(int guard, double zero, double x, DetectedEvent &event);
@@ -97,10 +106,7 @@ private:
   bool examineCubics(DetectedEvent &first);
   bool cubicZero(int guard, DetectedEvent &first) const;
   bool examineEndsAlone(DetectedEvent &first);
-  [[nodiscard]] bool falls(int guard, const Sample &middle) const;
-  [[nodiscard]] double misfit(int guard, const Sample &middle) const;
-  [[nodiscard]] bool isUncertainSlip(int guard, const Sample &middle) const;
-  bool gapsStayOpen(int except, const Sample &a, const Sample &b, int depth);
+  bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth);
   // event_sampling.cpp
   Probe probe(int guard, double time);
   bool isSteadyForce(int guard);
@@ -130,6 +136,8 @@ private:
   std::vector<int> awake_, previous_;  // guards whose contacts are awake (GapScreen), and all others; ascending
   long long awakeRevision_ = -1;
   bool needsForces_ = false;
+  bool hasDifferences_ = false;  // guards whose rates at the ends of steps are differences
+  bool needsRates_ = false;      // a guard whose rate inside the step is a difference may have come near zero
   bool varies_ = false;          // a guard does (Guard::varies)
   bool fromEnds_ = false;        // the interpolant is that of the ends of the step
   bool samplesVarying_ = false;  // event_sampling.cpp looks for the zeros of those in this step
@@ -141,7 +149,7 @@ private:
   double cutTime_ = 0;
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
-  Sample begin_, end_;
+  Sample begin_, end_, shifted_;
   Sample first_;                 // at the first event found so far
   std::array<Sample, 3> inner_;  // the latest ones
   std::vector<Sample> pool_;     // one middle for each depth of the search

@@ -12,8 +12,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Parts of a step that the expected zero may be missed by: the integrator's reach covers it on both sides of the step's end.
 constexpr double margin = 0.5;
-// Rates of switching functions change by δ times their derivative; what remains of it in the difference is as large as what it neglects.
-const double increment = std::sqrt(std::numeric_limits<double>::epsilon());
 
 // The first t > 0 with gap + rate t + acceleration t²/2 = 0, infinity if there is none; a gap of zero opens first.
 double parabolaZero(double gap, double rate, double acceleration) {
@@ -29,10 +27,7 @@ double parabolaZero(double gap, double rate, double acceleration) {
 // Gaps along parabolas and slips along lines, by the change of their rates over an increment of time, which takes no evaluation of the
 // dynamics.
 double EventDetection::expected() {
-  const double begin = integrator_->endTime(), *state = integrator_->end(), *rate = integrator_->endRate();
-  for (int i = 0; i < dynamics_.size(); ++i)
-    state_[i] = state[i] + increment * rate[i];
-  dynamics_.model().setPoint(begin + increment, state_.data());
+  const double increment = stepAside(integrator_->endTime(), integrator_->end(), integrator_->endRate());
   first_.value.resize(dynamics_.guards().size());
   first_.rate.resize(dynamics_.guards().size());
   first_.time = std::numeric_limits<double>::quiet_NaN();

@@ -8,18 +8,20 @@
 
 namespace tf::runtime {
 
-// A gap that the step cannot have closed, or a slip that it cannot have stopped, by its rates at both ends.
+// A guard that the step cannot have taken to zero, by its rates at both ends.
 bool EventDetection::isFar(int guard) const {
   const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
   return starts_[guard].armed != Arming::Not &&
          std::min(begin_.value[guard], end_.value[guard]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)});
 }
 
-// A force that dips nowhere in the step where the method has evaluated it.
+// A force that dips nowhere in the step where the method has evaluated it; between these places, near an end, it could dip by a hundredth
+// of its change at most.
 bool EventDetection::isSteady(int guard) const {
-  const double least = dynamics_.leastMargin(guard);
-  return starts_[guard].armed != Arming::Not && integrator_->samplesInside() && least > 0 &&
-         least > 0.5 * std::min(begin_.value[guard], end_.value[guard]);
+  constexpr double visible = 0.02;
+  const double least = dynamics_.leastMargin(guard), a = begin_.value[guard], b = end_.value[guard];
+  return starts_[guard].armed != Arming::Not && integrator_->samplesInside() &&
+         least > std::max({0.0, 0.5 * std::min(a, b), visible * std::max({a, b, dynamics_.largestMargin(guard)})});
 }
 
 // Where all guards are gaps that are cubic functions of time over a step that is long for want of errors, as in free flight: their zeros
@@ -72,15 +74,16 @@ bool EventDetection::cubicZero(int guard, DetectedEvent &first) const {
   return true;
 }
 
-// Where gaps and slips alone may end the mode, and the interpolant costs evaluations: whether the curve through the states and rates at the
-// ends of the step shows that they do not, or that one of them falls to zero, all the way, and the others do not. The event is located on
-// the step itself, so that its time here is a first guess. False: it does not show it.
+// Where forces do not end the mode, and the interpolant costs evaluations: whether the curve through the states and rates at the ends of
+// the step shows that no guard falls to zero, or that one of them does, all the way, and the others do not. The event is located on the
+// step itself, so that its time here is a first guess. False: it does not show it.
 bool EventDetection::examineEndsAlone(DetectedEvent &first) {
   if (!integrator_->isInterpolantDear() || watched_ || intervalCount() > 2)
     return false;
   int falling = -1;
   for (const int k : awake_) {
-    if (isSampled(k) || isForceGuard(dynamics_.guards()[k].kind) || isFar(k))
+    const GuardKind kind = dynamics_.guards()[k].kind;
+    if (isSampled(k) || isForceGuard(kind) || (isFar(k) && kind != GuardKind::Condition))
       continue;
     const bool falls = end_.value[k] < level(k);
     if (starts_[k].armed == Arming::Not || begin_.value[k] <= threshold(k) || (falls && falling >= 0))
@@ -91,54 +94,31 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
   fromEnds_ = true;
   Sample &middle = inner_[0];
   sampleInside(0.5 * (begin_.time + end_.time), false, middle);
-  const auto mayStop = [&](int k) { return k != falling && isUncertainSlip(k, middle); };
-  bool isClear = std::none_of(awake_.begin(), awake_.end(), mayStop) && gapsStayOpen(falling, begin_, middle, 1) &&
-                 gapsStayOpen(falling, middle, end_, 1) && (falling < 0 || falls(falling, middle));
-  if (falling >= 0 && isClear)
-    bracket(falling, begin_, end_, first);
+  bool isClear = othersStayPositive(falling, begin_, middle, 1) && othersStayPositive(falling, middle, end_, 1);
+  if (falling >= 0 && isClear) {
+    isClear = std::max({begin_.rate[falling], middle.rate[falling], end_.rate[falling]}) < 0;
+    if (isClear)
+      bracket(falling, begin_, end_, first);
+  }
   fromEnds_ = false;
   return isClear;
 }
 
-// Through both ends of the step and a sample between.
-bool EventDetection::falls(int guard, const Sample &middle) const {
-  const double highest = std::max(begin_.rate[guard], end_.rate[guard]);
-  if (dynamics_.guards()[guard].kind == GuardKind::Gap)
-    return std::max(highest, middle.rate[guard]) < 0;
-  return highest < 0 && misfit(guard, middle) <= 0.1 * begin_.value[guard];
-}
-
-// Of the cubic through the values and rates at both ends of the step.
-double EventDetection::misfit(int guard, const Sample &middle) const {
-  const double h = end_.time - begin_.time;
-  const CubicHermite whole{begin_.value[guard], begin_.rate[guard], end_.value[guard], end_.rate[guard], h};
-  return std::abs(whole.value(0.5) - middle.value[guard]);
-}
-
-// A slip that may come to zero in the step, as far as a sample in its middle tells.
-bool EventDetection::isUncertainSlip(int guard, const Sample &middle) const {
-  if (dynamics_.guards()[guard].kind != GuardKind::Slip || isSampled(guard) || isFar(guard))
-    return false;
-  const double a = begin_.value[guard], b = end_.value[guard], h = end_.time - begin_.time;
-  const double inside = CubicHermite{a, begin_.rate[guard], b, end_.rate[guard], h}.interiorMinimum();
-  return !(std::min({a, b, inside, middle.value[guard]}) > 4 * misfit(guard, middle));
-}
-
-// All but one of the gaps, by samples from the ends of the step. False: it is not clear.
-bool EventDetection::gapsStayOpen(int except, const Sample &a, const Sample &b, int depth) {
+// All guards with rates but one, by samples from the ends of the step. False: it is not clear.
+bool EventDetection::othersStayPositive(int except, const Sample &a, const Sample &b, int depth) {
   constexpr int deepestByEnds = 3;
-  const auto mayClose = [&](int k) { return k != except && !isSampled(k) && mayDip(k, a, b); };
-  if (std::any_of(awake_.begin(), awake_.end(), [&](int k) { return mayClose(k) && b.value[k] < level(k); }))
+  const auto mayFall = [&](int k) { return k != except && !isSampled(k) && mayDip(k, a, b); };
+  if (std::any_of(awake_.begin(), awake_.end(), [&](int k) { return mayFall(k) && b.value[k] < level(k); }))
     return false;
-  if (std::none_of(awake_.begin(), awake_.end(), mayClose))
+  if (std::none_of(awake_.begin(), awake_.end(), mayFall))
     return true;
   if (depth > deepestByEnds)
     return false;
   Sample &middle = pool_[static_cast<std::size_t>(depth)];
   sampleInside(0.5 * (a.time + b.time), false, middle);
-  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return mayClose(k) && isUnclear(k, a, middle, b); }))
+  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return mayFall(k) && isUnclear(k, a, middle, b); }))
     return true;
-  return gapsStayOpen(except, a, middle, depth + 1) && gapsStayOpen(except, middle, b, depth + 1);
+  return othersStayPositive(except, a, middle, depth + 1) && othersStayPositive(except, middle, b, depth + 1);
 }
 
 }  // namespace tf::runtime
