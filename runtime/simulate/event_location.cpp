@@ -11,7 +11,8 @@ namespace tf::runtime {
 // h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
 bool EventDetection::locate(DetectedEvent &event) {
   // The slope of the interpolant serves while it leads to the zero.
-  constexpr double poor = 0.5;
+  constexpr double poor = 0.1;
+  constexpr int mostExtensions = 3;
   if (integrator_->isExactInside() && moveInside(event))
     return true;
   if (endsNearby(event))
@@ -21,6 +22,8 @@ bool EventDetection::locate(DetectedEvent &event) {
   const double begin = integrator_->beginTime();
   double low = begin, high = std::max(event.high, event.time);
   double x = event.time, slope = event.slope, previous = x, previousValue = 0;
+  bool isHighKnown = false;  // an element has shown that the guard is negative there
+  int extensions = 0;
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x))
       return false;
@@ -28,6 +31,7 @@ bool EventDetection::locate(DetectedEvent &event) {
     dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
     const double value = guardHere(guard, x) - zero;
     (value >= 0 ? low : high) = x;
+    isHighKnown = isHighKnown || value < 0;
     if (dynamics_.guards()[guard].kind == GuardKind::Gap)
       slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
     else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
@@ -41,13 +45,15 @@ bool EventDetection::locate(DetectedEvent &event) {
       return nudge(guard, zero, value, slope, x, event);
     double next = x + correction;
     if (!(next > low && next < high)) {
-      // The element's own zero may lie a little beyond the bracket that the interpolant gave; or its guard does not fall at all, which the
-      // end of the bracket shows.
-      if (slope < 0 && value >= 0 && x >= high - 1e-12 * (high - begin) && k < 4) {
-        high = x + 0.1 * (x - begin);
-        next = std::min(next, high);
+      const bool isAtHigh = x >= high - 1e-12 * (high - begin);
+      if (isAtHigh && value >= 0) {
+        // The element's own zero may lie a little beyond the bracket that the interpolant gave; or its guard does not fall that far at all.
+        if (!(slope < 0) || extensions++ >= mostExtensions)
+          next = x;
+        else
+          next = high = std::min(next, x + 0.1 * (x - begin));
       } else {
-        next = slope >= 0 && value >= 0 ? high : 0.5 * (low + high);
+        next = value >= 0 && !isHighKnown ? high : 0.5 * (low + high);
       }
     }
     if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
