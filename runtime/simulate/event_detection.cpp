@@ -23,6 +23,16 @@ struct Place {
   double time, value;
 };
 
+double leastOf(const std::array<Place, 3> &p) { return std::min({p[0].value, p[1].value, p[2].value}); }
+
+// Of three, in their order, and another one between them: the least one and its neighbours, or the three that are nearest to it.
+std::array<Place, 3> nearestToBottom(const std::array<Place, 3> &p, const Place &other) {
+  const bool isEarly = other.time < p[1].time;
+  const std::array<Place, 4> all = {p[0], isEarly ? other : p[1], isEarly ? p[1] : other, p[2]};
+  const bool isLeft = std::min(all[0].value, all[1].value) <= std::min(all[2].value, all[3].value);
+  return isLeft ? std::array{all[0], all[1], all[2]} : std::array{all[1], all[2], all[3]};
+}
+
 // Of the parabola through three of them that bends up; NaN of others.
 Place bottomOfParabola(const std::array<Place, 3> &p) {
   const double left = (p[1].value - p[0].value) / (p[1].time - p[0].time), right = (p[2].value - p[1].value) / (p[2].time - p[1].time);
@@ -440,44 +450,36 @@ void EventDetection::examineForces(const Sample &a, const Sample &middle, const 
 }
 
 // A force that is positive at three samples, between them: at the bottom of the parabola through them, and of those through what is found
-// there, until it is negative or clear of zero. Where a stage of the method has met less than all samples, the search begins there.
+// there, until it is negative or clear of zero. Where a stage of the method has met less than all samples, that is one of the three.
 void EventDetection::examineDip(int guard, const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first) {
   constexpr int mostSamples = 8;
   constexpr double clear = 0.2, resolved = 1e-3;
   std::array<Place, 3> p = {Place{a.time, a.value[guard]}, Place{middle.time, middle.value[guard]}, Place{b.time, b.value[guard]}};
-  double place = std::numeric_limits<double>::quiet_NaN();
   if (dynamics_.guards()[guard].kind == GuardKind::Force && integrator_->samplesInside()) {
-    const double time = dynamics_.leastMarginTime(guard), least = dynamics_.leastMargin(guard);
-    if (time > a.time && time < b.time && least < std::min({p[0].value, p[1].value, p[2].value}))
-      place = time;
+    const Place least{dynamics_.leastMarginTime(guard), dynamics_.leastMargin(guard)};
+    if (least.time > a.time && least.time < b.time && least.value < leastOf(p))
+      p = nearestToBottom(p, least);
   }
   for (int k = 0; k < mostSamples; ++k) {
-    if (std::isnan(place)) {
-      const auto [time, least] = bottomOfParabola(p);
-      if (!(time > p[0].time && time < p[2].time) || least > clear * std::min({p[0].value, p[1].value, p[2].value}))
-        return;
-      place = time;
-    }
-    const double nearest = std::min({std::abs(place - p[0].time), std::abs(place - p[1].time), std::abs(place - p[2].time)});
-    if (nearest <= resolved * (p[2].time - p[0].time))
+    const Place bottom = bottomOfParabola(p);
+    const bool isInside = bottom.time > p[0].time && bottom.time < p[2].time;
+    if (!isInside || bottom.value > clear * leastOf(p) || (first.guard >= 0 && bottom.time >= first.time))
       return;
-    const Place found{place, guardInside(guard, place)};
-    if (!(found.value >= 0)) {
-      Sample &bottom = pool_[0];
-      bottom.time = found.time;
-      bottom.value.resize(dynamics_.guards().size());
-      bottom.rate.resize(dynamics_.guards().size());
-      bottom.value[guard] = found.value;
-      if (found.value < 0)
-        bracket(guard, found.time < middle.time ? a : middle, bottom, first);
+    const double length = p[2].time - p[0].time;
+    if (k > 0 && std::any_of(p.begin(), p.end(), [&](const Place &x) { return std::abs(bottom.time - x.time) <= resolved * length; }))
       return;
+    const Place found{bottom.time, guardInside(guard, bottom.time)};
+    if (found.value < 0) {
+      Sample &below = pool_[0];
+      below.time = found.time;
+      below.value.resize(dynamics_.guards().size());
+      below.rate.resize(dynamics_.guards().size());
+      below.value[guard] = found.value;
+      bracket(guard, found.time < middle.time ? a : middle, below, first);
     }
-    // The least one and its neighbours, or the three that are nearest to it.
-    std::array<Place, 4> all = {p[0], p[1], p[2], found};
-    std::sort(all.begin(), all.end(), [](const Place &x, const Place &y) { return x.time < y.time; });
-    const bool isLeft = std::min(all[0].value, all[1].value) <= std::min(all[2].value, all[3].value);
-    std::copy_n(all.begin() + (isLeft ? 0 : 1), 3, p.begin());
-    place = std::numeric_limits<double>::quiet_NaN();
+    if (!(found.value >= 0))
+      return;
+    p = nearestToBottom(p, found);
   }
 }
 
