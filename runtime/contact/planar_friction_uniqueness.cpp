@@ -86,9 +86,9 @@ bool PlanarFrictionSolver::hasSmallFriction(bool withForces) {
     for (int r = c; r < size; ++r)
       rest_(r, c) = scaled_.delassus(order_[r], order_[c]);
   for (int k = 0; k < size; ++k) {
-    if (rest_(k, k) > (k < tangents ? dependent : clear))
+    if (rest_(k, k) > clear)
       eliminate(rest_, k);
-    else if (k >= tangents || withForces)
+    else if (k >= tangents || withForces || rest_(k, k) > dependent)
       return false;
   }
   // 1/s_i² are the diagonal entries of the inverse of what is left of the normal rows: of L⁻ᵀ Δ⁻¹ L⁻¹, column by column of L⁻¹.

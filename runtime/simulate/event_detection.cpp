@@ -114,21 +114,28 @@ double EventDetection::stepAside(double time, const double *state, const double 
   return increment;
 }
 
-// Where the dynamics has been evaluated last. Rates of slips need accelerations, those of conditions and of slips of two components are
-// differences.
-void EventDetection::readEnd(double time, const double *state, const double *rate, Sample &sample) {
-  double increment = 0;
-  if (hasDifferences_) {
-    increment = stepAside(time, state, rate);
-    readGuards(time + increment, shifted_);
-    dynamics_.model().setPoint(time, state);
+// Where the dynamics has been evaluated last, at the end of the integrator's step.
+void EventDetection::readEnd(Sample &sample) {
+  const double time = integrator_->endTime(), *state = integrator_->end();
+  if (!hasDifferences_) {
+    readGuards(time, sample);
+    return readSlipRates(sample);
   }
+  const double increment = stepAside(time, state, integrator_->endRate());
+  readGuards(time + increment, shifted_);
+  dynamics_.model().setPoint(time, state);
   readGuards(time, sample);
+  for (const int k : awake_)
+    if (hasRateByDifference(dynamics_.guards()[k].kind))
+      sample.rate[k] = (shifted_.value[k] - sample.value[k]) / increment;
+  readSlipRates(sample);
+}
+
+// Of one component, by the accelerations of the dynamics' last evaluation.
+void EventDetection::readSlipRates(Sample &sample) {
   for (const int k : awake_)
     if (dynamics_.guards()[k].kind == GuardKind::Slip)
       sample.rate[k] = dynamics_.slipRate(k);
-    else if (hasRateByDifference(dynamics_.guards()[k].kind))
-      sample.rate[k] = (shifted_.value[k] - sample.value[k]) / increment;
 }
 
 void EventDetection::interpolate(double time) {
@@ -266,7 +273,10 @@ void EventDetection::resume(double time, double speedOfRounding) {
 }
 
 void EventDetection::watchStart() {
-  readEnd(integrator_->endTime(), integrator_->end(), integrator_->endRate(), begin_);
+  if (hasDifferences_)
+    readEnd(begin_);
+  else
+    readSlipRates(begin_);
   watched_ = false;
   for (const int k : awake_)
     watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(k));
@@ -520,7 +530,7 @@ DetectedEvent EventDetection::search() {
   DetectedEvent first;
   first_.time = std::numeric_limits<double>::quiet_NaN();
   // The dynamics' last evaluation is at the end of the step.
-  readEnd(integrator_->endTime(), integrator_->end(), integrator_->endRate(), end_);
+  readEnd(end_);
   samplesVarying_ = samplesVarying();
   bool quiet = true, steady = true;
   needsRates_ = false;

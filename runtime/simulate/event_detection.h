@@ -78,7 +78,8 @@ private:
   // Moves the model's point along dy/dt from (time, state), for differences of switching functions; by how much of time. They change by
   // that times their derivative: what remains of it in the difference is as large as what it neglects.
   double stepAside(double time, const double *state, const double *rate);
-  void readEnd(double time, const double *state, const double *rate, Sample &sample);
+  void readEnd(Sample &sample);
+  void readSlipRates(Sample &sample);
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] int intervalCount() const;
   void examineSamples(bool withForces, DetectedEvent &first);
