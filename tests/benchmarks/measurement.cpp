@@ -39,22 +39,43 @@ double seconds(clockid_t clock) {
 double wallSeconds() { return seconds(CLOCK_MONOTONIC); }
 double cpuSeconds() { return seconds(CLOCK_PROCESS_CPUTIME_ID); }
 
-double cpuPerCall(const std::function<void()> &call) {
-  call();
-  double start = cpuSeconds();
-  call();
-  const double first = std::max(cpuSeconds() - start, 1e-8);
-  const int count = std::clamp(static_cast<int>(0.02 / first), 1, 100000);
-  double best = std::numeric_limits<double>::infinity();
-  for (int batch = 0; batch < 7; ++batch) {
-    start = cpuSeconds();
-    for (int i = 0; i < count; ++i) {
+std::vector<double> cpuPerCall(const std::vector<std::function<void()>> &calls) {
+  constexpr double batchSeconds = 1e-3, turnsSeconds = 0.2;  // of one call: of a batch, of all of its turns
+  constexpr int fewestTurns = 5;
+  struct Timing {
+    int batch = 1;                                          // calls in a row
+    double best = std::numeric_limits<double>::infinity();  // seconds of a call
+  };
+  const auto measureBatch = [](const std::function<void()> &call, Timing &timing) {
+    const double start = cpuSeconds();
+    for (int i = 0; i < timing.batch; ++i) {
       call();
     }
-    best = std::min(best, (cpuSeconds() - start) / count);
+    timing.best = std::min(timing.best, (cpuSeconds() - start) / timing.batch);
+  };
+  std::vector<Timing> timings(calls.size());
+  double batches = 0;  // seconds of one batch of each
+  for (std::size_t k = 0; k < calls.size(); ++k) {
+    calls[k]();
+    measureBatch(calls[k], timings[k]);
+    timings[k].batch = std::clamp(static_cast<int>(batchSeconds / std::max(timings[k].best, 1e-8)), 1, 100000);
+    batches += timings[k].batch * timings[k].best;
   }
-  return best;
+  const double turns = turnsSeconds * static_cast<double>(calls.size()) / std::max(batches, 1e-8);
+  for (int turn = 0; turn < std::max(fewestTurns, static_cast<int>(turns)); ++turn) {
+    for (std::size_t k = 0; k < calls.size(); ++k) {
+      measureBatch(calls[k], timings[k]);
+    }
+  }
+  std::vector<double> seconds;
+  seconds.reserve(timings.size());
+  for (const Timing &timing : timings) {
+    seconds.push_back(timing.best);
+  }
+  return seconds;
 }
+
+double cpuPerCall(const std::function<void()> &call) { return cpuPerCall(std::vector{call}).front(); }
 
 ProgramTime runProgram(const std::vector<std::string> &arguments, const std::string &cache) {
   std::vector<std::string> copies = arguments;

@@ -37,7 +37,10 @@ struct Setup {
 [[nodiscard]] double wallSeconds();
 [[nodiscard]] double cpuSeconds();  // of this process
 
-// CPU time of one call in seconds: the least mean over several batches of about 20 ms.
+// CPU time of one call in seconds, for each of `calls`: the least mean over many batches of about 1 ms (at least one call). The calls take
+// turns batch by batch: what shares a core with this process slows all of them for tenths of a second at a time, and a ratio of two of them
+// would tell which was measured when.
+[[nodiscard]] std::vector<double> cpuPerCall(const std::vector<std::function<void()>> &calls);
 [[nodiscard]] double cpuPerCall(const std::function<void()> &call);
 
 struct ProgramTime {

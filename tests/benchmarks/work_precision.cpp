@@ -15,6 +15,7 @@
 #include <filesystem>
 #include <fmt/format.h>
 #include <functional>
+#include <initializer_list>
 #include <numeric>
 #include <stdexcept>
 
@@ -53,9 +54,14 @@ double difference(const std::vector<double> &values, const std::vector<double> &
   return worst;
 }
 
-std::vector<Point> sweepCompiled(const Setup &setup, const Case &problem) {
-  CompiledRun run(compileModel(setup, problem.file), problem.name, problem.settings, problem.end);
-  std::vector<Point> points;
+// A setting of which the error is known and the CPU time is still to be measured.
+struct Setting {
+  Point point;
+  std::function<void()> simulate;
+};
+
+std::vector<Setting> settingsOf(CompiledRun &run, const Case &problem) {
+  std::vector<Setting> settings;
   for (const double tolerance : kTolerances) {
     run.simulate(tolerance);
     std::vector<double> values;
@@ -66,18 +72,43 @@ std::vector<Point> sweepCompiled(const Setup &setup, const Case &problem) {
     if (!std::isnan(problem.restTime)) {
       error = std::abs(run.timeOfRest(tolerance) - problem.restTime);
     }
-    points.push_back({"tfc", fmt::format("tol {:.0e}", tolerance), cpuPerCall([&] { run.simulate(tolerance); }), error});
+    settings.push_back({{"tfc", fmt::format("tol {:.0e}", tolerance), 0, error}, [&run, tolerance] { run.simulate(tolerance); }});
   }
-  return points;
+  return settings;
 }
 
-std::vector<Point> sweepByHand(const Case &problem) {
-  std::vector<Point> points;
+std::vector<Setting> settingsByHand(const Case &problem) {
+  std::vector<Setting> settings;
   const std::vector<double> expected = std::isnan(problem.restTime) ? problem.expected : std::vector<double>{problem.restTime};
   for (const double tolerance : kTolerances) {
     const double error = difference(problem.byHand(tolerance), expected);
-    const double seconds = cpuPerCall([&] { (void)problem.byHand(tolerance); });
-    points.push_back({"by hand", fmt::format("tol {:.0e}", tolerance), seconds, error});
+    settings.push_back(
+        {{"by hand", fmt::format("tol {:.0e}", tolerance), 0, error}, [&problem, tolerance] { (void)problem.byHand(tolerance); }});
+  }
+  return settings;
+}
+
+// All settings in turns, which is what makes the ratios of their times figures.
+void measureTimes(std::initializer_list<std::vector<Setting> *> groups) {
+  std::vector<Setting *> settings;
+  std::vector<std::function<void()>> calls;
+  for (std::vector<Setting> *group : groups) {
+    for (Setting &setting : *group) {
+      settings.push_back(&setting);
+      calls.push_back(setting.simulate);
+    }
+  }
+  const std::vector<double> seconds = cpuPerCall(calls);
+  for (std::size_t k = 0; k < settings.size(); ++k) {
+    settings[k]->point.seconds = seconds[k];
+  }
+}
+
+std::vector<Point> pointsOf(const std::vector<Setting> &settings) {
+  std::vector<Point> points;
+  points.reserve(settings.size());
+  for (const Setting &setting : settings) {
+    points.push_back(setting.point);
   }
   return points;
 }
@@ -117,7 +148,10 @@ void print(const std::string &name, const std::vector<Point> &ours, const std::v
 }
 
 void measureCase(const Setup &setup, const Case &problem, std::vector<Measurement> &out) {
-  const std::vector<Point> byHand = sweepByHand(problem), ours = sweepCompiled(setup, problem);
+  CompiledRun run(compileModel(setup, problem.file), problem.name, problem.settings, problem.end);
+  std::vector<Setting> oursToMeasure = settingsOf(run, problem), byHandToMeasure = settingsByHand(problem);
+  measureTimes({&oursToMeasure, &byHandToMeasure});
+  const std::vector<Point> byHand = pointsOf(byHandToMeasure), ours = pointsOf(oursToMeasure);
   std::vector<Point> siconos;
   std::vector<Point> peers;
   if (std::isnan(problem.restTime)) {
@@ -278,11 +312,14 @@ void measureChain(const Setup &setup, std::vector<Measurement> &out) {
     return nodesOf(run.value("r[1]"), run.value("r[2]"), angles);
   };
   const auto expected = nodesAt(reference);
-  std::vector<Point> ours, peers;
+  std::vector<Setting> settings;
   for (const double tolerance : tolerances) {
     const double error = farthest(nodesAt(tolerance), expected);
-    ours.push_back({"tfc", fmt::format("tol {:.0e}", tolerance), cpuPerCall([&] { run.simulate(tolerance); }), error});
+    settings.push_back({{"tfc", fmt::format("tol {:.0e}", tolerance), 0, error}, [&run, tolerance] { run.simulate(tolerance); }});
   }
+  measureTimes({&settings});
+  const std::vector<Point> ours = pointsOf(settings);
+  std::vector<Point> peers;
   // Joint angles are relative to the link before.
   if (const auto peer = runPeer(program, "chain", 1e-3); peer && peer->values.size() == links + 2) {
     std::vector<double> angles(links);
