@@ -7,7 +7,7 @@
 namespace tf::runtime {
 
 // Derivatives of integrals: the cubic with their rates at both ends, and the multiple of s²(1 − s)² that makes its integral end at the
-// integral's end.
+// integral's end (Hermite interpolation of degree 5; Hairer, Nørsett, Wanner, Solving Ordinary Differential Equations I, section II.6).
 void interpolateBetween(const StepEnds &step, double theta, double *y) {
   constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
   const auto [begin, beginRate, end, endRate, h, size, count] = step;

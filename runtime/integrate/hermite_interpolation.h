@@ -10,8 +10,8 @@ struct StepEnds {
   int size, integrals;
 };
 
-// y at the part theta of the step. Integrals: the polynomial of degree 5 with the values, derivatives and second derivatives of both ends,
-// and its derivative; other variables: the cubic with values and rates.
+// y [size] at the part theta in [0, 1] of the step. Integrals: the polynomial of degree 5 with the values, derivatives and second
+// derivatives of both ends, and its derivative; other variables: the cubic with values and rates.
 void interpolateBetween(const StepEnds &step, double theta, double *y);
 
 }  // namespace tf::runtime

@@ -81,7 +81,7 @@ public:
   // The accelerations depend on nothing that changes in the mode, and coordinates change as their velocities.
   [[nodiscard]] bool isUniform() const { return at_.model().uniform_flight != 0 && rows_.count() == 0; }
   // Nothing moves at (time, state) with dy/dt = `rate`, to rounding relative to `scale` [n], and as long as the mode lasts nothing will:
-  // constraints and held contacts leave no velocity free.
+  // constraints and held contacts leave no velocity free. Reads the model at that point.
   bool isHeldAtRest(double time, const double *state, const double *rate, const double *scale);
   // Uniform motion, or rest, has led to (time, state): the last evaluation is that of this point as well.
   void keepEvaluation(double time, const double *state);

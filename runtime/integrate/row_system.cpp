@@ -343,13 +343,10 @@ const double *RowSystem::sumOverTwins(const double *forces) const {
   return twinForce_.data();
 }
 
-void RowSystem::accelerate(const double *forces, double *acceleration) const {
-  if (mobility_ == nullptr)
-    return;
-  forces = sumOverTwins(forces);
-  std::fill(sum_.begin(), sum_.end(), 0.0);
+// Δ⁻¹ Z times the forces into sum_; false where they are zero.
+bool RowSystem::sumAsWhole(const double *forces) const {
   bool any = false;
-  for (int i = 0; i < count() && isWhole(); ++i) {
+  for (int i = 0; i < count(); ++i) {
     if (forces[i] == 0)
       continue;
     any = true;
@@ -357,7 +354,13 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
     for (int k = 0; k < nv_; ++k)
       sum_[k] += row[k] * forces[i];
   }
-  for (std::size_t block = 0; !isWhole() && block < parts_.size(); ++block) {
+  return any;
+}
+
+// The same, block by block.
+bool RowSystem::sumBlocks(const double *forces) const {
+  bool any = false;
+  for (std::size_t block = 0; block < parts_.size(); ++block) {
     const int end = mobility_->mass().blocks()[block].end;
     if (isPanel(static_cast<int>(block))) {
       any = addPanel(static_cast<int>(block), forces) || any;
@@ -373,7 +376,15 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
         sum_[k] += row[k] * force;
     }
   }
-  if (any)
+  return any;
+}
+
+void RowSystem::accelerate(const double *forces, double *acceleration) const {
+  if (mobility_ == nullptr)
+    return;
+  forces = sumOverTwins(forces);
+  std::fill(sum_.begin(), sum_.end(), 0.0);
+  if (isWhole() ? sumAsWhole(forces) : sumBlocks(forces))
     mobility_->mass().addBackward(sum_.data(), acceleration);
 }
 

@@ -16,8 +16,8 @@ namespace tf::runtime {
 
 class RowSystem {
 public:
-  // Up to so many velocities, rows are read as a whole: that costs no more than looking for their zeros. (Up to MassMatrix::fixedSize, they
-  // go through the factorisation as a whole, too.)
+  // Up to so many velocities, rows are read as a whole: that costs no more than looking for their zeros. They go through the factorisation
+  // as a whole only where blocks of the mass matrix have code of their own (MassMatrix::fixedSize).
   static constexpr int narrow = 8;
 
   // Normal rows of `contacts`, then the tangential rows `tangents` (increasing numbers of the model's table; a row of a contact needs its
@@ -104,6 +104,8 @@ private:
   void multiply(DenseMatrix &delassus);
   void multiplyPanel(int block, DenseMatrix &delassus);
   bool addPanel(int block, const double *forces) const;
+  bool sumAsWhole(const double *forces) const;
+  bool sumBlocks(const double *forces) const;
 
   int nv_ = 0;
   const Mobility *mobility_ = nullptr;

@@ -18,7 +18,7 @@ constexpr double located = 1e-6;
 
 constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
 
-// A value of a function of time.
+// A value of a function of time, whose rate is not known.
 struct Place {
   double time, value;
 };
@@ -145,7 +145,6 @@ void EventDetection::interpolate(double time) {
     integrator_->interpolate(time, state_.data());
 }
 
-// On the interpolant; the guards that need forces are NaN where these are left out.
 bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) {
   if (needsRates_) {
     const double shift = time + probeStep_;
@@ -196,7 +195,7 @@ void EventDetection::restart(double time, double speedOfRounding) {
       std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
   varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
   hasDifferences_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(),
-                                [](const Guard &guard) { return hasRateByDifference(guard.kind) && guard.kind != GuardKind::Slip; });
+                                [](const Guard &guard) { return hasRateByDifferenceAtEnds(guard.kind); });
   cut_ = false;
   starts_.assign(dynamics_.guards().size(), {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0});
   // A gap whose reading leaves the screen's box wakes contacts.
@@ -480,12 +479,8 @@ void EventDetection::examineDip(int guard, const Sample &a, const Sample &middle
       return;
     const Place found{bottom.time, guardInside(guard, bottom.time)};
     if (found.value < 0) {
-      Sample &below = pool_[0];
-      below.time = found.time;
-      below.value.resize(dynamics_.guards().size());
-      below.rate.resize(dynamics_.guards().size());
-      below.value[guard] = found.value;
-      bracket(guard, found.time < middle.time ? a : middle, below, first);
+      const Sample &before = found.time < middle.time ? a : middle;
+      bracketProbes(guard, {before.time, before.value[guard], 0}, {found.time, found.value, 0}, first);
     }
     if (!(found.value >= 0))
       return;
@@ -542,7 +537,7 @@ DetectedEvent EventDetection::search() {
       steady = steady && isSteady(k);
     else if (isForceGuard(kind))
       steady = false;
-    else if (!isFar(k) || kind == GuardKind::Condition) {
+    else if (!isFar(k)) {
       quiet = false;
       needsRates_ = needsRates_ || hasRateByDifference(kind);
     }

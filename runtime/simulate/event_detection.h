@@ -23,8 +23,9 @@ struct DetectedEvent {
 
 // It is a smooth function of the state between events; its rate is known, or a difference of its values.
 [[nodiscard]] inline bool hasRate(GuardKind kind) { return !isForceGuard(kind); }
-// The rate is such a difference, but for that of slips of one component at the ends of steps.
+// The rate is such a difference inside a step. At its ends that of a slip of one component is an acceleration that is known there.
 [[nodiscard]] inline bool hasRateByDifference(GuardKind kind) { return hasRate(kind) && kind != GuardKind::Gap; }
+[[nodiscard]] inline bool hasRateByDifferenceAtEnds(GuardKind kind) { return hasRateByDifference(kind) && kind != GuardKind::Slip; }
 
 class EventDetection {
 public:
@@ -80,6 +81,7 @@ private:
   double stepAside(double time, const double *state, const double *rate);
   void readEnd(Sample &sample);
   void readSlipRates(Sample &sample);
+  // On the interpolant; the guards that need forces are NaN where these are left out. False: there are no forces (never without them).
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] int intervalCount() const;
   void examineSamples(bool withForces, DetectedEvent &first);
@@ -122,6 +124,7 @@ private:
   bool endsNearby(DetectedEvent &event);
   bool moveInside(DetectedEvent &event);
   bool extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
+  bool followInterpolant(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
   bool nudge(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
 
   ModeDynamics &dynamics_;

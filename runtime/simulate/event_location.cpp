@@ -1,5 +1,6 @@
 // The end of a step is moved to the zero of a guard.
 #include "runtime/simulate/event_detection.h"
+#include "runtime/simulate/zero_bracket.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +13,6 @@ namespace tf::runtime {
 bool EventDetection::locate(DetectedEvent &event) {
   // The slope of the interpolant serves while it leads to the zero.
   constexpr double poor = 0.1;
-  constexpr int mostExtensions = 3;
   if (integrator_->isExactInside() && moveInside(event))
     return true;
   if (endsNearby(event))
@@ -20,18 +20,15 @@ bool EventDetection::locate(DetectedEvent &event) {
   const int guard = event.guard;
   const double zero = level(guard);
   const double begin = integrator_->beginTime();
-  double low = begin, high = std::max(event.high, event.time);
+  ZeroBracket bracket(begin, std::max(event.high, event.time));
   double x = event.time, slope = event.slope, previous = x, previousValue = 0;
-  bool isHighKnown = false;  // an element has shown that the guard is negative there
-  int extensions = 0;
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x))
       return false;
     // The guard is zero where the event's state will be: on the closed contacts.
     dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
     const double value = guardHere(guard, x) - zero;
-    (value >= 0 ? low : high) = x;
-    isHighKnown = isHighKnown || value < 0;
+    bracket.narrow(x, value < 0);
     if (dynamics_.guards()[guard].kind == GuardKind::Gap)
       slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
     else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
@@ -43,19 +40,7 @@ bool EventDetection::locate(DetectedEvent &event) {
       return true;
     if (std::abs(correction) <= 1e-5 * (x - begin))
       return nudge(guard, zero, value, slope, x, event);
-    double next = x + correction;
-    if (!(next > low && next < high)) {
-      const bool isAtHigh = x >= high - 1e-12 * (high - begin);
-      if (isAtHigh && value >= 0) {
-        // The element's own zero may lie a little beyond the bracket that the interpolant gave; or its guard does not fall that far at all.
-        if (!(slope < 0) || extensions++ >= mostExtensions)
-          next = x;
-        else
-          next = high = std::min(next, x + 0.1 * (x - begin));
-      } else {
-        next = value >= 0 && !isHighKnown ? high : 0.5 * (low + high);
-      }
-    }
+    const double next = bracket.next(x + correction);
     if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
       event.time = x;
       return true;
@@ -152,20 +137,20 @@ bool EventDetection::moveInside(DetectedEvent &event) {
 // From the element's end at `base`, projected, along the interpolant to the zero nearby; the rate at the end stays that at `base`. False:
 // no zero within the interpolant's reach.
 bool EventDetection::extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event) {
+  // So near an end the curve through both of them is off by a part of the error of the step.
+  constexpr double near = 1e-4;
+  fromEnds_ = integrator_->isInterpolantDear() && std::abs(value / slope) <= near * (base - integrator_->beginTime());
+  const bool found = followInterpolant(guard, zero, value, slope, base, event);
+  fromEnds_ = false;
+  return found;
+}
+
+bool EventDetection::followInterpolant(int guard, double zero, double value, double slope, double base, DetectedEvent &event) {
   const double farthest = integrator_->reach() * (base - integrator_->beginTime());
   const double resolution = 0.5 * std::numeric_limits<double>::epsilon() * std::max(std::abs(base), base - integrator_->beginTime());
   const int n = dynamics_.size();
   double x = base;
-  // So near an end the curve through both of them is off by a part of the error of the step.
-  constexpr double near = 1e-4;
-  const bool fromEnds = integrator_->isInterpolantDear() && std::abs(value / slope) <= near * (base - integrator_->beginTime());
-  const auto follow = [this, fromEnds](double time) {
-    if (fromEnds)
-      integrator_->interpolateEnds(time, state_.data());
-    else
-      integrator_->interpolate(time, state_.data());
-  };
-  follow(base);
+  interpolate(base);
   nudgeBase_.resize(n);
   for (int i = 0; i < n; ++i)
     nudgeBase_[i] = integrator_->end()[i] - state_[i];
@@ -180,7 +165,7 @@ bool EventDetection::extend(int guard, double zero, double value, double slope, 
       break;
     const double before = value, step = next - x;
     x = next;
-    follow(x);
+    interpolate(x);
     for (int i = 0; i < n; ++i)
       state_[i] += nudgeBase_[i];
     value = guardAt(guard, x, state_.data()) - zero;

@@ -8,10 +8,10 @@
 
 namespace tf::runtime {
 
-// A guard that the step cannot have taken to zero, by its rates at both ends.
+// A guard that the step cannot have taken to zero, by its rates at both ends. Those of a condition tell nothing: it may be any function.
 bool EventDetection::isFar(int guard) const {
   const double h = end_.time - begin_.time, a = begin_.rate[guard], b = end_.rate[guard];
-  return starts_[guard].armed != Arming::Not &&
+  return dynamics_.guards()[guard].kind != GuardKind::Condition && starts_[guard].armed != Arming::Not &&
          std::min(begin_.value[guard], end_.value[guard]) > 2 * h * std::max({std::abs(a), std::abs(b), std::abs(b - a)});
 }
 
@@ -82,8 +82,7 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
     return false;
   int falling = -1;
   for (const int k : awake_) {
-    const GuardKind kind = dynamics_.guards()[k].kind;
-    if (isSampled(k) || isForceGuard(kind) || (isFar(k) && kind != GuardKind::Condition))
+    if (isSampled(k) || isForceGuard(dynamics_.guards()[k].kind) || isFar(k))
       continue;
     const bool falls = end_.value[k] < level(k);
     if (starts_[k].armed == Arming::Not || begin_.value[k] <= threshold(k) || (falls && falling >= 0))
@@ -93,7 +92,7 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
   }
   fromEnds_ = true;
   Sample &middle = inner_[0];
-  sampleInside(0.5 * (begin_.time + end_.time), false, middle);
+  (void)sampleInside(0.5 * (begin_.time + end_.time), false, middle);
   bool isClear = othersStayPositive(falling, begin_, middle, 1) && othersStayPositive(falling, middle, end_, 1);
   if (falling >= 0 && isClear) {
     isClear = std::max({begin_.rate[falling], middle.rate[falling], end_.rate[falling]}) < 0;
