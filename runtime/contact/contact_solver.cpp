@@ -47,7 +47,7 @@ struct ContactSolver::Workspace {
   ContactProblem aligned;  // in which pairs of rows that begin to slip lie along their slip
   ContactRates alignedRates;
   std::vector<double> metric, forcesFound, accelerationsFound;
-  ForceSet set;
+  std::unique_ptr<ForceSet> set = std::make_unique<ForceSet>();
   NextDerivative next;
   ContactSolution solution, resolved;
   double zero = 0;     // what counts as zero, in the metric of D
@@ -180,20 +180,20 @@ void ContactSolver::Workspace::turnForces(double sense) {
 
 // Redundant contacts share their load so that ‖λ‖ is least; the others have one force only. False: the mode has no admissible forces.
 bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
-  set.setMode(problem, solution.mode);
-  solution.redundant = set.singular(problem);
+  set->setMode(problem, solution.mode);
+  solution.redundant = set->singular(problem);
   solution.saturated.clear();
   if (!solution.redundant)
     return true;
   ++statistics.redundant;
-  if (set.solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved)
+  if (set->solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved)
     return false;
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
   forcesFound = solution.forces;
   accelerationsFound = solution.accelerations;
-  solution.forces = set.forces();
-  solution.accelerations = set.accelerations();
+  solution.forces = set->forces();
+  solution.accelerations = set->accelerations();
   double violation = 0;
   if (conic) {
     turnForces(-1);
@@ -208,9 +208,9 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
     return true;
   }
   solution.violation = violation;
-  for (std::size_t k = 0; k < set.limits().size(); ++k)
-    if (set.saturated(static_cast<int>(k)) >= 0)
-      solution.saturated.push_back(set.limits()[k]);
+  for (std::size_t k = 0; k < set->limits().size(); ++k)
+    if (set->saturated(static_cast<int>(k)) >= 0)
+      solution.saturated.push_back(set->limits()[k]);
   return true;
 }
 
@@ -219,11 +219,11 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
 bool ContactSolver::Workspace::openPulling(const ContactProblem &problem) {
   constexpr double largest = 1e-6;
   double tolerance = settings.degeneracy;
-  while (tolerance < largest && set.solveLeastNorm(problem, tolerance) != LeastNorm::Status::Solved)
+  while (tolerance < largest && set->solveLeastNorm(problem, tolerance) != LeastNorm::Status::Solved)
     tolerance *= 10;
   bool opened = false;
   for (std::size_t i = 0; i < solution.mode.closed.size(); ++i)
-    if (solution.mode.closed[i] != 0 && set.forces()[i] * metric[i] < -zero) {
+    if (solution.mode.closed[i] != 0 && set->forces()[i] * metric[i] < -zero) {
       solution.mode.closed[i] = 0;
       opened = true;
     }
@@ -247,8 +247,8 @@ void ContactSolver::Workspace::markDegenerate(const ContactProblem &problem, con
 // Limits that all admissible forces of the mode lie on.
 void ContactSolver::Workspace::listDegenerate(const ContactProblem &problem, const ContactMode *preferred) {
   solution.degenerate.clear();
-  for (std::size_t k = 0; k < set.limits().size(); ++k) {
-    const ForceLimit limit = set.limits()[k];
+  for (std::size_t k = 0; k < set->limits().size(); ++k) {
+    const ForceLimit limit = set->limits()[k];
     const int j = limit.row - problem.normalCount;
     double slack = solution.forces[limit.row];
     if (limit.side == ForceLimit::disk)
@@ -257,7 +257,7 @@ void ContactSolver::Workspace::listDegenerate(const ContactProblem &problem, con
       slack = problem.limit(j, solution.forces.data()) - limit.side * slack;
     if (slack * metric[limit.row] > zero)
       continue;
-    if (!solution.redundant || !set.canLeave(problem, static_cast<int>(k), 1e-7))
+    if (!solution.redundant || !set->canLeave(problem, static_cast<int>(k), 1e-7))
       markDegenerate(problem, preferred, limit);
   }
 }
@@ -438,6 +438,7 @@ void ContactSolver::Workspace::readDegenerate(const ContactProblem &problem) {
 
 const ContactSolution &ContactSolver::solve(const ContactProblem &problem, const ContactMode *previous, const double *guess) {
   Workspace &w = *work_;
+  w.set->forget();
   if (solveSingleContact(problem, w.settings.degeneracy, w.solution) && w.solution.violation <= w.settings.feasibility) {
     ++w.statistics.solves;
     ++w.statistics.direct;
@@ -469,6 +470,8 @@ const ContactSolution &ContactSolver::resolve(const ContactProblem &problem, con
 }
 
 const std::vector<double> &ContactSolver::forceRates() const { return work_->next.forceRates(); }
+
+std::unique_ptr<ForceSet> &ContactSolver::forceSet() { return work_->set; }
 
 const ContactSolver::Statistics &ContactSolver::statistics() const { return work_->statistics; }
 

@@ -4,6 +4,7 @@
 #define TF_RUNTIME_CONTACT_CONTACT_SOLVER_H
 
 #include "runtime/contact/contact_problem.h"
+#include "runtime/contact/force_set.h"
 
 #include <memory>
 
@@ -51,6 +52,9 @@ public:
                                  const ContactMode *previous = nullptr);
   // λ̇ of the last `resolve`: n + m.
   [[nodiscard]] const std::vector<double> &forceRates() const;
+
+  // What has been found of the forces of the last problem in one of its modes, for ModeForces::start.
+  [[nodiscard]] std::unique_ptr<ForceSet> &forceSet();
 
   [[nodiscard]] const Statistics &statistics() const;
 

@@ -56,6 +56,18 @@ void ForceSet::setMode(const ContactProblem &problem, const ContactMode &mode) {
   unknown_.resize(equations_.activeCount());
   forces_.resize(n + m);
   accelerations_.resize(n + m);
+  hasMode_ = true;
+  leastNormTolerance_ = std::numeric_limits<double>::infinity();
+}
+
+bool ForceSet::hasMode(const ContactProblem &problem, const ContactMode &mode) const {
+  if (!hasMode_ || active_.size() != mode.closed.size() + mode.slip.size() || slip_.size() != mode.slip.size())
+    return false;
+  // Rows of open contacts stick, without force.
+  for (std::size_t j = 0; j < slip_.size(); ++j)
+    if (const int owner = problem.owner[j]; slip_[j] != (owner < 0 || mode.closed[owner] != 0 ? mode.slip[j] : 0))
+      return false;
+  return std::equal(mode.closed.begin(), mode.closed.end(), active_.begin());
 }
 
 bool ForceSet::singular(const ContactProblem &problem) {
@@ -71,7 +83,8 @@ bool ForceSet::singular(const ContactProblem &problem) {
   for (int c = 0; c < A.cols(); ++c)
     for (int r = 0; r < A.rows(); ++r)
       A(r, c) *= unknown_[r] * unknown_[c];
-  return !factor_.factor(singularMode);
+  singular_ = !factor_.factor(singularMode);
+  return singular_;
 }
 
 bool ForceSet::solveRegular(const ContactProblem &problem) {
@@ -213,20 +226,22 @@ void ForceSet::expandPoint(const double *point) {
   equations_.expandForces(rows_, unknown_.data(), forces_.data());
 }
 
-LeastNorm::Status ForceSet::solveLeastNorm(const ContactProblem &problem, double tolerance) {
+LeastNorm::Status ForceSet::solveConic(const ContactProblem &problem, double tolerance) {
   view(problem);
-  if (conic_) {
-    loadConic();
-    if (!cone_.prepare(redundantResidual))
-      return LeastNorm::Status::Contradictory;
-    forceScale_ = cone_.scale();
-    inside_ = cone_.smallestSlack(cone_.freePoint()) >= -tolerance * forceScale_;
-    if (inside_)
-      expandPoint(cone_.freePoint().data());
-    else
-      confineConic();
-    return inside_ || commonSlack_ >= -tolerance * forceScale_ ? LeastNorm::Status::Solved : LeastNorm::Status::Empty;
-  }
+  loadConic();
+  if (!cone_.prepare(redundantResidual))
+    return LeastNorm::Status::Contradictory;
+  forceScale_ = cone_.scale();
+  inside_ = cone_.smallestSlack(cone_.freePoint()) >= -tolerance * forceScale_;
+  if (inside_)
+    expandPoint(cone_.freePoint().data());
+  else
+    confineConic();
+  return inside_ || commonSlack_ >= -tolerance * forceScale_ ? LeastNorm::Status::Solved : LeastNorm::Status::Empty;
+}
+
+LeastNorm::Status ForceSet::solvePolyhedron(const ContactProblem &problem, double tolerance) {
+  view(problem);
   hasFar_ = false;
   loadPolyhedron(polyhedron_);
   const LeastNorm::Status status = polyhedron_.solve(tolerance * forceScale_, redundantResidual * forceScale_);

@@ -10,6 +10,7 @@
 #include "runtime/contact/mode_equations.h"
 
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace tf::runtime {
@@ -18,12 +19,21 @@ class ForceSet {
 public:
   // Begins a mode: which rows are active and which limits they have.
   void setMode(const ContactProblem &problem, const ContactMode &mode);
+  // It has been begun in this mode and not been forgotten since.
+  [[nodiscard]] bool hasMode(const ContactProblem &problem, const ContactMode &mode) const;
+  void forget() { hasMode_ = false; }
+  // The same problem is at another place now.
+  void move(const ContactProblem &problem) { view(problem); }
   [[nodiscard]] const ModeEquations &equations() const { return equations_; }
   [[nodiscard]] const std::vector<ForceLimit> &limits() const { return limits_; }
   [[nodiscard]] int activeCount() const { return equations_.activeCount(); }
 
   // Whether the active rows are redundant at the problem's D.
   bool singular(const ContactProblem &problem);
+  // It was so in the last call of `singular`.
+  [[nodiscard]] bool isSingular() const { return singular_; }
+  // The last solveLeastNorm in this mode has found forces within this tolerance.
+  [[nodiscard]] bool hasLeastNorm(double tolerance) const { return leastNormTolerance_ <= tolerance; }
 
   // The unique force; false where the matrix is singular. Results in forces(), accelerations().
   bool solveRegular(const ContactProblem &problem);
@@ -34,7 +44,11 @@ public:
   void leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
 
   // The least-norm force. Tolerances are relative to the force scale of the problem.
-  LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance);
+  LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance) {
+    const LeastNorm::Status status = conic_ ? solveConic(problem, tolerance) : solvePolyhedron(problem, tolerance);
+    leastNormTolerance_ = status == LeastNorm::Status::Solved ? tolerance : std::numeric_limits<double>::infinity();
+    return status;
+  }
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
   // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force
@@ -71,6 +85,8 @@ public:
 
 private:
   void view(const ContactProblem &problem);
+  LeastNorm::Status solveConic(const ContactProblem &problem, double tolerance);
+  LeastNorm::Status solvePolyhedron(const ContactProblem &problem, double tolerance);
   void loadPolyhedron(LeastNorm &polyhedron);
   void weighEquations();
   void loadEquation(LeastNorm &polyhedron, int r);
@@ -96,6 +112,8 @@ private:
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
   DenseMatrix matrix_;
   double forceScale_ = 0;
+  bool hasMode_ = false, singular_ = false;
+  double leastNormTolerance_ = 0;  // infinite: none has been found
   bool conic_ = false, inside_ = true, hasInnermost_ = false;
   double commonSlack_ = 0;
   ConicForces cone_;

@@ -1,7 +1,5 @@
 #include "runtime/contact/mode_forces.h"
 
-#include "runtime/contact/force_set.h"
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -30,7 +28,7 @@ bool slipsWithFriction(const ContactProblem &problem, const ContactMode &mode) {
 }  // namespace
 
 struct ModeForces::Workspace {
-  ForceSet set;
+  std::unique_ptr<ForceSet> set = std::make_unique<ForceSet>();
   bool redundant = false;
   const ContactProblem *problem = nullptr;  // of the last evaluation
   std::vector<ModeMargin> margins;
@@ -41,25 +39,25 @@ struct ModeForces::Workspace {
   PressingMargin pressing;
 
   void beginPressing() {
-    set.factor().inverseDeterminant(pressing.inverseDeterminant);
+    set->factor().inverseDeterminant(pressing.inverseDeterminant);
     pressing.scale = 0;
-    for (const double force : set.forces())
+    for (const double force : set->forces())
       pressing.scale = std::max(pressing.scale, std::abs(force));
   }
   void listMargins() {
     margins.clear();
-    const bool conic = redundant && set.isConic();
-    if (conic && !set.isInside())
+    const bool conic = redundant && set->isConic();
+    if (conic && !set->isInside())
       margins.push_back({{ModeMargin::commonSlack, 0}, false});
-    for (std::size_t k = 0; conic && set.isInside() && k < set.limits().size(); ++k)
-      margins.push_back({set.limits()[k], false});
+    for (std::size_t k = 0; conic && set->isInside() && k < set->limits().size(); ++k)
+      margins.push_back({set->limits()[k], false});
     if (conic) {
       values.resize(margins.size());
       return;
     }
-    for (std::size_t k = 0; k < set.limits().size(); ++k)
-      margins.push_back({set.limits()[k], redundant && set.saturated(static_cast<int>(k)) >= 0});
-    if (redundant && set.mayContradict())
+    for (std::size_t k = 0; k < set->limits().size(); ++k)
+      margins.push_back({set->limits()[k], redundant && set->saturated(static_cast<int>(k)) >= 0});
+    if (redundant && set->mayContradict())
       margins.push_back({{ModeMargin::contradiction, 0}, false});
     if (mayPress)
       margins.push_back({{ModeMargin::pressing, 0}, false});
@@ -74,15 +72,15 @@ struct ModeForces::Workspace {
     const ModeMargin &margin = margins[k];
     switch (margin.limit.row) {
     case ModeMargin::commonSlack:
-      return set.commonSlack();
+      return set->commonSlack();
     case ModeMargin::contradiction:
-      return set.forceScale() * (1 - set.contradiction() / allowed);
+      return set->forceScale() * (1 - set->contradiction() / allowed);
     case ModeMargin::pressing:
-      return pressing.value(set.factor().determinantTimes(pressing.inverseDeterminant));
+      return pressing.value(set->factor().determinantTimes(pressing.inverseDeterminant));
     default:
       break;
     }
-    return margin.multiplier ? set.multiplier(set.saturated(k)) : set.slack(*problem, k);
+    return margin.multiplier ? set->multiplier(set->saturated(k)) : set->slack(*problem, k);
   }
 };
 
@@ -91,17 +89,24 @@ ModeForces::~ModeForces() = default;
 ModeForces::ModeForces(ModeForces &&) noexcept = default;
 ModeForces &ModeForces::operator=(ModeForces &&) noexcept = default;
 
-bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode) {
+bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found) {
   Workspace &w = *work_;
-  w.set.setMode(problem, mode);
-  w.redundant = w.set.singular(problem);
+  if (found != nullptr && (*found)->hasMode(problem, mode)) {
+    w.set->forget();
+    w.set.swap(*found);
+    w.set->move(problem);
+    w.redundant = w.set->isSingular();
+  } else {
+    w.set->setMode(problem, mode);
+    w.redundant = w.set->singular(problem);
+  }
   bool valid = true;
   if (w.redundant)
-    valid = w.set.solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved ||
-            w.set.solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved;
+    valid = w.set->hasLeastNorm(feasibility) || w.set->solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved ||
+            w.set->solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved;
   else
-    valid = w.set.solveRegular(problem);
-  w.allowed = w.redundant && w.set.mayContradict() ? std::max(contradiction, 10 * w.set.contradiction()) : contradiction;
+    valid = w.set->solveRegular(problem);
+  w.allowed = w.redundant && w.set->mayContradict() ? std::max(contradiction, 10 * w.set->contradiction()) : contradiction;
   w.mayPress = !w.redundant && valid && slipsWithFriction(problem, mode);
   if (w.mayPress)
     w.beginPressing();
@@ -112,14 +117,14 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode) {
 
 bool ModeForces::evaluate(const ContactProblem &problem) {
   Workspace &w = *work_;
-  const bool valid = w.redundant ? w.set.solveActive(problem) : w.set.solveRegular(problem);
+  const bool valid = w.redundant ? w.set->solveActive(problem) : w.set->solveRegular(problem);
   if (valid)
     w.setProblem(problem);
   return valid;
 }
 
-std::span<const double> ModeForces::forces() const { return work_->set.forces(); }
-std::span<const double> ModeForces::accelerations() const { return work_->set.accelerations(); }
+std::span<const double> ModeForces::forces() const { return work_->set->forces(); }
+std::span<const double> ModeForces::accelerations() const { return work_->set->accelerations(); }
 bool ModeForces::redundant() const { return work_->redundant; }
 std::span<const ModeMargin> ModeForces::margins() const { return work_->margins; }
 std::span<const double> ModeForces::marginValues() const {
@@ -137,13 +142,13 @@ MarginOutcome ModeForces::cross(int margin) {
   if (!w.redundant || w.margins[margin].limit.row == ModeMargin::contradiction)
     return MarginOutcome::ModeEnds;
   bool exists = true;
-  if (w.set.isConic()) {
-    if (!w.set.isInside() || w.set.confine(*w.problem, feasibility) != LeastNorm::Status::Solved)
+  if (w.set->isConic()) {
+    if (!w.set->isInside() || w.set->confine(*w.problem, feasibility) != LeastNorm::Status::Solved)
       return MarginOutcome::ModeEnds;
   } else if (w.margins[margin].multiplier) {
-    w.set.release(margin);
+    w.set->release(margin);
   } else {
-    exists = w.set.activate(margin) != LeastNorm::Status::Empty;
+    exists = w.set->activate(margin) != LeastNorm::Status::Empty;
   }
   // The search for forces that are none has released other limits.
   w.listMargins();
@@ -155,9 +160,9 @@ void ModeForces::forceRates(std::span<const double> accelerationRate, std::span<
                             std::span<double> forceRate) const {
   Workspace &w = *work_;
   if (w.redundant)
-    w.set.leastNormRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
+    w.set->leastNormRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
   else
-    w.set.forceRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
+    w.set->forceRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
 }
 
 }  // namespace tf::runtime

@@ -5,6 +5,7 @@
 #define TF_RUNTIME_CONTACT_MODE_FORCES_H
 
 #include "runtime/contact/contact_problem.h"
+#include "runtime/contact/force_set.h"
 
 #include <memory>
 #include <span>
@@ -46,8 +47,9 @@ public:
   ModeForces &operator=(ModeForces &&) noexcept;
 
   // Starts the mode at `problem`. Finds out whether the active rows are redundant, and then the least-norm representative. False: no
-  // force of the mode is admissible there (or the active rows contradict one another).
-  bool start(const ContactProblem &problem, const ContactMode &mode);
+  // force of the mode is admissible there (or the active rows contradict one another). What `found` knows of the same problem in this mode
+  // is taken from it (exchanged with a set that knows nothing).
+  bool start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found = nullptr);
 
   // λ and w at another state of the same mode: only D, φ, μ, bound of `problem` may differ from `start`. Allocates nothing. False: the
   // matrix has become singular (of a mode that is not redundant), or an entry is not finite.

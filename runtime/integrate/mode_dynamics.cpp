@@ -26,8 +26,9 @@ bool ModeDynamics::isPrepared(const Mode &mode) const {
   return preparedRevision_ == at_.parameterRevision() && rows_.count() == 0 && sliding_.empty() && mode == mode_;
 }
 
-// The rows and step variables of the mode; what they hold is not evaluated.
-void ModeDynamics::choose(const Mode &mode, double time, const double *state) {
+// The rows and step variables of the mode; what they hold is not evaluated, but for that of rows which have been solved for (true). Frames
+// turn with slips of two components, and step variables that slide are not known yet: there the rows are evaluated anew.
+bool ModeDynamics::choose(const Mode &mode, double time, const double *state, const SolvedContacts *solved) {
   const tf_model &model = at_.model();
   preparedRevision_ = -1;
   mode_ = mode;
@@ -44,9 +45,12 @@ void ModeDynamics::choose(const Mode &mode, double time, const double *state) {
   for (int j = 0; j < model.nt; ++j)
     if (mode.tangent[j] != Tangent::None)
       tangents.push_back(j);
-  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
+  const bool isSolved = solved != nullptr && solved->system.hasRows(contacts, tangents);
+  if (isSolved)
+    system_ = solved->system;
+  else
+    system_.choose(model, contacts, tangents);
   contactMode_.resize(problem_.normalCount, problem_.tangentCount);
-  rows_.choose(model, contacts, tangents, problem_);
   std::fill(contactMode_.closed.begin(), contactMode_.closed.end(), std::uint8_t{1});
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     contactMode_.slip[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
@@ -77,6 +81,7 @@ void ModeDynamics::choose(const Mode &mode, double time, const double *state) {
   leastMargins_.clear();
   isFolded_ = isSmall_ = false;
   projection_.use(nullptr);
+  return isSolved && slips_.empty() && sliding_.empty();
 }
 
 bool ModeDynamics::hold(const Mode &mode, double time, const double *state) {
@@ -84,7 +89,7 @@ bool ModeDynamics::hold(const Mode &mode, double time, const double *state) {
   return prepare(time, state);
 }
 
-bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate) {
+bool ModeDynamics::start(const Mode &mode, double time, const double *state, double *rate, const SolvedContacts *solved) {
   const tf_model &model = at_.model();
   std::fill(at_.normalForce.begin(), at_.normalForce.end(), 0.0);
   std::fill(at_.tangentForce.begin(), at_.tangentForce.end(), 0.0);
@@ -93,10 +98,10 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
       at_.stepVariable[j] = mode.switches[j] == Switch::One ? 1 : 0;
     return evaluate(time, state, rate);
   }
-  choose(mode, time, state);
+  const bool isSolved = choose(mode, time, state, solved);
   starting_ = true;
   isComplete_ = true;
-  const bool good = evaluate(time, state, rate);
+  const bool good = isSolved ? evaluateSolved(time, state, *solved, rate) : evaluate(time, state, rate);
   starting_ = false;
   if (!good)
     return false;
@@ -136,7 +141,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
   isGathered_ = true;
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());
-    rows_.gather(at_, problem_);
+    system_.gather(at_);
     hasRows_ = false;
     watchFriction();
   }
@@ -209,8 +214,7 @@ bool ModeDynamics::solveForces() {
 // All rows with D and φ, and their forces; `freeAcceleration` [nv] is the one without them.
 bool ModeDynamics::solveRows(double *freeAcceleration) {
   completeRows();
-  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration);
-  rows_.bias(at_, freeAcceleration, problem_.bias);
+  system_.setBias(at_, freeAcceleration);
   isComplete_ = true;
   return starting_ ? forces_.start(problem_, contactMode_) : forces_.evaluate(problem_);
 }
@@ -223,7 +227,7 @@ void ModeDynamics::completeRows() {
   }
   isGathered_ = true;
   if (!hasRows_)
-    rows_.respond(at_, problem_.delassus);
+    system_.respond(at_);
   hasRows_ = true;
 }
 
@@ -326,6 +330,22 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
   return giveRate(rate);
 }
 
+// The begin of a mode whose rows have been solved for.
+bool ModeDynamics::evaluateSolved(double time, const double *state, const SolvedContacts &solved, double *rate) {
+  ++evaluations_;
+  failure_ = EvaluationFailure::None;
+  isProjected_ = false;
+  correction_ = 0;
+  at_.setPoint(time, state);
+  isGathered_ = hasRows_ = true;
+  watchFriction();
+  if (!forces_.start(problem_, contactMode_, &solved.forces))
+    return fail(EvaluationFailure::SingularContact);
+  at_.acceleration = solved.freeAcceleration;
+  rows_.accelerate(forces_.forces().data(), at_.acceleration.data());
+  return giveRate(rate);
+}
+
 bool ModeDynamics::evaluateProjected(double time, double *state, double *rate, const double *scale) {
   if (!isSmall_ || rows_.count() == 0)
     return evaluate(time, state, rate);
@@ -369,17 +389,10 @@ bool ModeDynamics::giveRate(double *rate) {
   }
   tauRate_ = numericalTimeRate(closedForce_, closedRate_);
   at_.kinematics(rate);
-  const int nv = model.nv, nz = model.nz;
-  const double *acceleration = at_.acceleration.data(), *stateRate = at_.stateRate.data();
-  double *rest = rate + model.nq;
-  for (int i = 0; i < nv; ++i)
-    rest[i] = acceleration[i];
-  for (int i = 0; i < nz; ++i)
-    rest[nv + i] = stateRate[i];
-  rest[nv + nz] = tauRate_;
-  if (!allFinite(rate, model.nq + nv + nz + 1))
-    return fail(EvaluationFailure::NotFinite);
-  return true;
+  double *rest = std::copy_n(at_.acceleration.data(), model.nv, rate + model.nq);
+  rest = std::copy_n(at_.stateRate.data(), model.nz, rest);
+  *rest = tauRate_;
+  return allFinite(rate, size()) || fail(EvaluationFailure::NotFinite);
 }
 
 void ModeDynamics::solveMultipliers() {

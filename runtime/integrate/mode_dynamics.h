@@ -6,11 +6,11 @@
 #pragma once
 
 #include "runtime/contact/mode_forces.h"
+#include "runtime/integrate/contact_system.h"
 #include "runtime/integrate/folded_forces.h"
 #include "runtime/integrate/mode.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/projection.h"
-#include "runtime/integrate/row_system.h"
 #include "runtime/integrate/slip_directions.h"
 
 #include <Eigen/Dense>
@@ -59,8 +59,8 @@ public:
 
   // Begins the mode at (t, y). False: it has no admissible forces or cannot be evaluated there.
   bool start(const Mode &mode, double time, const double *state) { return start(mode, time, state, plus_.data()); }
-  // As well, with dy/dt there.
-  bool start(const Mode &mode, double time, const double *state, double *rate);
+  // As well, with dy/dt there; `solved` (may be null): the contact problem there, with the mode's step variables.
+  bool start(const Mode &mode, double time, const double *state, double *rate, const SolvedContacts *solved = nullptr);
   // For projections onto what a mode holds at zero, whether or not it has admissible forces: nothing else is ready, and another mode must
   // be started. False: M or H cannot be evaluated there.
   bool hold(const Mode &mode, double time, const double *state);
@@ -199,8 +199,9 @@ private:
   [[nodiscard]] bool isPrepared(const Mode &mode) const;
   [[nodiscard]] bool isTimeless() const;
   [[nodiscard]] bool leavesNoVelocity();
-  void choose(const Mode &mode, double time, const double *state);
+  bool choose(const Mode &mode, double time, const double *state, const SolvedContacts *solved = nullptr);
   bool prepare(double time, const double *state);
+  bool evaluateSolved(double time, const double *state, const SolvedContacts &solved, double *rate);
   bool evaluateSmall(double time, const double *state, double *rate);
   bool giveRate(double *rate);
   void watchFriction();
@@ -226,8 +227,9 @@ private:
 
   ModelEvaluation &at_;
   Mode mode_;
-  RowSystem rows_;
-  ContactProblem problem_;
+  ContactSystem system_;
+  RowSystem &rows_ = system_.rows;
+  ContactProblem &problem_ = system_.problem;
   ContactMode contactMode_;
   ModeForces forces_;
   FoldedForces folded_;

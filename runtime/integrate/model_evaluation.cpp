@@ -220,16 +220,6 @@ void ModelEvaluation::dynamicsDerivatives(const std::uint8_t *mask) {
   model_->dynamics_derivatives(in_, out, mask);
 }
 
-void ModelEvaluation::kinematics(double *qDot) const {
-  if (model_->kinematics == nullptr) {
-    for (int i = 0; i < model_->nv; ++i)
-      qDot[i] = in_[TF_IN_V][i];
-    return;
-  }
-  double *const out[] = {qDot};
-  model_->kinematics(in_, out, nullptr);
-}
-
 void ModelEvaluation::kinematicsDerivatives() {
   if (model_->kinematics == nullptr)
     return;

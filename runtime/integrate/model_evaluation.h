@@ -59,7 +59,12 @@ public:
   void stepDerivatives();
   // At the accelerations and forces in `acceleration`, `normalForce`, `tangentForce`; mask [nc + nf].
   void dynamicsDerivatives(const std::uint8_t *mask);
-  void kinematics(double *qDot) const;
+  void kinematics(double *qDot) const {
+    if (model_->kinematics != nullptr)
+      return model_->kinematics(in_, &qDot, nullptr);
+    for (int i = 0; i < model_->nv; ++i)
+      qDot[i] = in_[TF_IN_V][i];
+  }
   // kinematicMatrix (N) and kinematicsByCoordinate; nothing to do where q' = v.
   void kinematicsDerivatives();
   // Moves the coordinates in `state` along N(q) v, which may be any change of the velocities' kind; quaternions stay of unit length.

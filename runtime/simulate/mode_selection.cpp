@@ -165,8 +165,7 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   }
   if (contacts.empty() && model.nf == 0) {
     if (problem_.count() > 0) {
-      problem_.resize(0, 0);
-      rows_.choose(model, contacts, tangents, problem_);
+      system_.choose(model, contacts, tangents);
       previousContacts_.resize(0, 0);
     }
     return;
@@ -177,8 +176,7 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   for (int j = 0; j < model.nt; ++j)
     if (takesPartInMotion(roles_[j]) && (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && hasFriction(contactOf_[j]))))
       tangents.push_back(j);
-  problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
-  rows_.choose(model, contacts, tangents, problem_);
+  system_.choose(model, contacts, tangents);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const double slip = at_.slip[tangents[j]];
     if (roles_[tangents[j]] == TangentRole::Steady) {
@@ -245,9 +243,9 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   at_.contactTerms(mask_.data());
   if (text_ = negativeFriction(); !text_.empty())
     return Trial::Failed;
-  rows_.assemble(at_, problem_.delassus, problem_);
-  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), freeAcceleration_.data());
-  rows_.bias(at_, freeAcceleration_.data(), problem_.bias);
+  system_.gather(at_);
+  system_.respond(at_);
+  system_.setBias(at_, freeAcceleration_.data());
   readForces();
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, guess_.data());
   if (solution.status == ContactStatus::Inconsistent) {
@@ -266,12 +264,18 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   if (solution.degenerate.empty())
     return Trial::Consistent;
   undecided_ = solution;
-  if (!dynamics_.start(mode_, time, state, rate_.data()))
+  if (!startMode(time, state))
     return Trial::Consistent;
   rates_.resize(problem_.normalCount, problem_.tangentCount);
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
   writeMode(solver_.resolve(problem_, undecided_, rates_, &previousContacts_).mode);
   return Trial::Consistent;
+}
+
+// After solveContacts, at the same point.
+bool ModeSelection::startMode(double time, const double *state) {
+  const SolvedContacts solved = {system_, freeAcceleration_, solver_.forceSet()};
+  return dynamics_.start(mode_, time, state, rate_.data(), rows_.count() > 0 ? &solved : nullptr);
 }
 
 // The least forces of a redundant mode need not be those that the solver found it with: with them a slip that begins may not go where the
@@ -296,9 +300,9 @@ void ModeSelection::holdRows(double time, const double *state) {
     }
     if (mode_ == before)
       return;
-    if (!dynamics_.start(mode_, time, state, rate_.data())) {
+    if (!startMode(time, state)) {
       mode_ = before;
-      dynamics_.start(mode_, time, state, rate_.data());
+      startMode(time, state);
       return;
     }
   }
@@ -356,7 +360,7 @@ ModeSelection::Trial ModeSelection::tryAssignment(double time, const double *sta
     const Trial contacts = solveContacts(time, state);
     if (contacts != Trial::Consistent)
       return contacts;
-    if (!dynamics_.start(mode_, time, state, rate_.data()))
+    if (!startMode(time, state))
       return sliding ? Trial::Inconsistent : Trial::Failed;
     holdRows(time, state);
     if (!sliding || (pass > 0 && found_ == mode_))

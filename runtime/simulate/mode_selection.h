@@ -41,6 +41,8 @@ struct SwitchHint {
 class ModeSelection {
 public:
   ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances = {});
+  ModeSelection(const ModeSelection &) = delete;
+  ModeSelection &operator=(const ModeSelection &) = delete;
 
   // The dynamics is started in the mode that is returned (status Selected), with its last evaluation at the state. The reference is valid
   // until the next call. The contacts at the state are in touching() and approaching() afterwards.
@@ -83,6 +85,7 @@ private:
   void chooseRows(double time, const double *state, const Mode &previous);
   Trial tryAssignment(double time, const double *state);
   Trial solveContacts(double time, const double *state);
+  bool startMode(double time, const double *state);
   void holdRows(double time, const double *state);
   bool conditionsHold(double time, const double *state);
   void writeMode(const ContactMode &contacts);
@@ -93,8 +96,9 @@ private:
   ModelEvaluation &at_;
   SelectionTolerances tolerances_;
   ContactSolver solver_;
-  RowSystem rows_;
-  ContactProblem problem_;
+  ContactSystem system_;
+  RowSystem &rows_ = system_.rows;
+  ContactProblem &problem_ = system_.problem;
   ContactMode previousContacts_;
   ContactRates rates_;
   ContactSolution undecided_;

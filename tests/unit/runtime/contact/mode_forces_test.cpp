@@ -111,6 +111,38 @@ TEST(ModeForces, AgreesWithTheSolverInItsMode) {
   }
 }
 
+// The solver's set of forces is taken where it is that of the mode, once.
+TEST(ModeForces, BeginsWithWhatTheSolverHasFound) {
+  RandomContacts contacts(32);
+  ContactSolver solver;
+  ModeForces taken, fresh;
+  int took = 0;
+  for (int run = 0; run < 300; ++run) {
+    const ContactProblem problem = contacts.problem(contacts.integer(1, 6), contacts.integer(0, 2), contacts.integer(2, 16), 0.6, 0.5);
+    const ContactSolution &found = solver.solve(problem);
+    if (found.status != ContactStatus::Solved)
+      continue;
+    took += solver.forceSet()->hasMode(problem, found.mode) ? 1 : 0;
+    ASSERT_TRUE(taken.start(problem, found.mode, &solver.forceSet())) << "run " << run;
+    EXPECT_FALSE(solver.forceSet()->hasMode(problem, found.mode)) << "run " << run;
+    ASSERT_TRUE(fresh.start(problem, found.mode)) << "run " << run;
+    ASSERT_EQ(taken.redundant(), fresh.redundant()) << "run " << run;
+    const auto same = [run](std::span<const double> a, std::span<const double> b) {
+      EXPECT_TRUE(std::equal(a.begin(), a.end(), b.begin(), b.end())) << "run " << run;
+    };
+    same(taken.forces(), fresh.forces());
+    same(taken.accelerations(), fresh.accelerations());
+    same(taken.marginValues(), fresh.marginValues());
+    // The same modes of another problem, too.
+    ContactProblem heavier = problem;
+    for (double &bias : heavier.bias)
+      bias *= 1.25;
+    ASSERT_EQ(taken.evaluate(heavier), fresh.evaluate(heavier)) << "run " << run;
+    same(taken.forces(), fresh.forces());
+  }
+  EXPECT_GT(took, 100);
+}
+
 // Derivatives along a line D + hE, φ + hψ against central differences; in redundant modes too.
 TEST(ModeForces, RatesAreTheDerivative) {
   RandomContacts contacts(32);
