@@ -13,28 +13,21 @@ namespace tf::runtime {
 
 class Extrapolation {
 public:
-  // Prepares steps from y0. `rate(y, f)` returns false where f cannot be evaluated. `increment`: of y for the Jacobian by differences.
-  template <class Rate> bool start(const Eigen::VectorXd &y0, double increment, const Rate &rate) {
-    const Eigen::Index size = y0.size();
+  // The differential equation, as `step` asks for it:
+  //   bool rate(y, f)          f(y); false where it cannot be evaluated
+  //   void factor(part)        prepares `solve`
+  //   void solve(x)            x becomes (I − part f'(y0))⁻¹ x
+  // Steps begin at y0, where f is f0.
+  void start(const Eigen::VectorXd &y0, const Eigen::VectorXd &f0) {
     begin_ = y0;
-    if (!rate(y0, firstRate_))
-      return false;
-    jacobian_.resize(size, size);
-    for (Eigen::Index k = 0; k < size; ++k) {
-      after_ = y0;
-      after_[k] += increment;
-      if (!rate(after_, rate_))
-        return false;
-      jacobian_.col(k) = (rate_ - firstRate_) / increment;
-    }
-    return true;
+    firstRate_ = f0;
   }
 
   // Over h; result in end(). False: two successive extrapolations do not agree to `accuracy` (largest entry), or f failed.
-  template <class Rate> bool step(double h, double accuracy, const Rate &rate) {
+  template <class Equation> bool step(double h, double accuracy, Equation &equation) {
     error_ = std::numeric_limits<double>::infinity();
     for (int k = 0; k < columns; ++k) {
-      if (!midpoint(h, substeps[static_cast<std::size_t>(k)], rate)) {
+      if (!midpoint(h, substeps[static_cast<std::size_t>(k)], equation)) {
         error_ = std::numeric_limits<double>::infinity();
         return false;
       }
@@ -70,27 +63,29 @@ public:
 private:
   static constexpr std::array<int, columns> substeps = {2, 6, 10, 14, 22, 34, 50, 70};
 
-  template <class Rate> bool midpoint(double h, int count, const Rate &rate) {
+  template <class Equation> bool midpoint(double h, int count, Equation &equation) {
     const double part = h / count;
-    matrix_ = Eigen::MatrixXd::Identity(begin_.size(), begin_.size()) - part * jacobian_;
-    factor_.compute(matrix_);
-    change_ = factor_.solve(part * firstRate_);
+    equation.factor(part);
+    change_ = part * firstRate_;
+    equation.solve(change_);
     after_ = begin_ + change_;
     for (int i = 1; i < count; ++i) {
-      if (!rate(after_, rate_))
+      if (!equation.rate(after_, rate_))
         return false;
-      change_ += 2 * factor_.solve(part * rate_ - change_);
+      rate_ = part * rate_ - change_;
+      equation.solve(rate_);
+      change_ += 2 * rate_;
       after_ += change_;
     }
-    if (!rate(after_, rate_))
+    if (!equation.rate(after_, rate_))
       return false;
-    after_ += factor_.solve(part * rate_ - change_);
+    rate_ = part * rate_ - change_;
+    equation.solve(rate_);
+    after_ += rate_;
     return true;
   }
 
   Eigen::VectorXd begin_, firstRate_, rate_, after_, change_, carried_, previous_;
-  Eigen::MatrixXd jacobian_, matrix_;
-  Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
   std::array<Eigen::VectorXd, columns> table_;
   int used_ = 0;
   double error_ = 0;

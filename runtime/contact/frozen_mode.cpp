@@ -36,12 +36,11 @@ void FrozenMode::resize(const FrozenProblem &problem) {
   for (int j = 0; j < m; ++j)
     direction[j] = problem.partner[j] > j ? 1.0 : 0.0;
   current_ = direction;
-  friction_.assign(m, 0.0);
+  posed_ = false;
   offset_.assign(m, 0.0);
   bias_.assign(n + m, 0.0);
-  acceleration_.assign(n + m, 0.0);
   fixed_.assign(n, 0.0);
-  reference_.assign(n + m, 0.0);
+  nearby_.assign(n + m, 0.0);
   redundant_ = false;
   active_.assign(n + m, 0);
   slip_.assign(m, 0);
@@ -81,11 +80,10 @@ void FrozenMode::turnBack(const FrozenProblem &problem, std::vector<double> &for
   }
 }
 
-void FrozenMode::align(const FrozenProblem &problem, const std::vector<double> &velocity, double rest) {
+// Of friction on the pairs that slip: v_t/‖v_t‖ continued through zero along the reference direction.
+void FrozenMode::turnDirections(const FrozenProblem &problem, const std::vector<double> &velocity, double rest) {
   const int n = problem.normalCount;
-  turned_ = problem.delassus;
   for (int j = 0; j < problem.tangentCount; ++j) {
-    friction_[j] = problem.friction[j];
     if (problem.partner[j] < j || tangent[j] != Tangent::Slip)
       continue;
     const double c = direction[j], s = direction[j + 1];
@@ -94,53 +92,161 @@ void FrozenMode::align(const FrozenProblem &problem, const std::vector<double> &
     const double cosine = 1 / std::sqrt(1 + slope * slope), sine = slope * cosine;
     current_[j] = c * cosine - s * sine;
     current_[j + 1] = s * cosine + c * sine;
-    turnRows(turned_, n + j, current_[j], current_[j + 1]);
-    friction_[++j] = 0;
   }
 }
 
-bool FrozenMode::forces(const FrozenProblem &problem, const std::vector<double> &velocity, double rest, std::vector<double> &force) {
+ContactRowData FrozenMode::rowsOf(const FrozenProblem &problem, const DenseMatrix &delassus, const std::vector<double> &friction) const {
+  return {problem.normalCount, problem.tangentCount, &delassus, bias_.data(), problem.owner.data(), friction.data(), offset_.data()};
+}
+
+bool FrozenMode::isPosed() const { return posed_ && normal == posedNormal_ && tangent == posedTangent_ && sign == posedSign_; }
+
+void FrozenMode::pose(const FrozenProblem &problem) {
   const int n = problem.normalCount, m = problem.tangentCount;
-  align(problem, velocity, rest);
+  posed_ = true;
+  posedNormal_ = normal;
+  posedTangent_ = tangent;
+  posedSign_ = sign;
+  friction_.assign(problem.friction.begin(), problem.friction.begin() + m);
+  pairs_.clear();
   for (int i = 0; i < n; ++i) {
     active_[i] = normal[i] == Normal::Held;
     fixed_[i] = normal[i] == Normal::Push ? problem.rate[i] : 0.0;
   }
   for (int j = 0; j < m; ++j) {
+    const bool isSlipping = tangent[j] == Tangent::Slip, isAlone = problem.partner[j] < 0;
     active_[n + j] = tangent[j] == Tangent::Stick;
-    slip_[j] = static_cast<std::int8_t>(tangent[j] == Tangent::Slip ? sign[j] : 0);
+    slip_[j] = static_cast<std::int8_t>(isSlipping && isAlone ? sign[j] : 0);
+    if (isSlipping && problem.partner[j] > j)
+      pairs_.push_back({j, problem.owner[j]});
   }
-  const ContactRowData rows = {n, m, &turned_, bias_.data(), problem.owner.data(), friction_.data(), offset_.data()};
-  equations_.setMode(rows, active_.data(), slip_.data());
-  equations_.assemble(rows, factor_.matrix());
+  const ContactRowData rows = rowsOf(problem, problem.delassus, friction_);
+  unturned_.setMode(rows, active_.data(), slip_.data());
+  unturned_.assemble(rows, factor_.matrix());
+  const int active = unturned_.activeCount();
+  double largest = 0;
+  for (int k = 0; k < active; ++k)
+    largest = std::max(largest, factor_.matrix()(k, k));
+  const Eigen::MatrixXd matrix = factor_.matrix().map();
+  isSingular_ = active > 0 && !factor_.factor(singular * largest);
+  reference_.setZero(active);
+  own_.resize(active);
+  unturned_.rightHandSide(rows, fixed_.data(), own_.data());
+  if (isSingular_) {
+    decomposition_.setThreshold(singular);
+    decomposition_.compute(matrix);
+    for (int k = 0; k < active; ++k)
+      reference_[k] = nearby_[unturned_.active()[k]];
+    own_ -= matrix * reference_;
+  }
+  solveUnturned(own_);
+  own_ += reference_;
+  response_.resize(active, 2 * static_cast<Eigen::Index>(pairs_.size()));
+  Eigen::Index column = 0;
+  for (SlippingPair &pair : pairs_) {
+    pair.unknown = unturned_.position(pair.owner);
+    for (const int row : {n + pair.row, n + pair.row + 1}) {
+      unknown_.resize(active);
+      for (int k = 0; k < active; ++k)
+        unknown_[k] = problem.friction[pair.row] * problem.delassus(unturned_.active()[k], row);
+      solveUnturned(unknown_);
+      response_.col(column++) = unknown_;
+    }
+  }
+}
+
+void FrozenMode::solveUnturned(Eigen::VectorXd &x) const {
+  if (isSingular_)
+    x = decomposition_.solve(x).eval();
+  else if (x.size() > 0)
+    factor_.solve(x.data());
+}
+
+// The normal forces of the pairs' owners, and with their friction all others. False: the pairs' own equations have no unique solution.
+bool FrozenMode::solveByPairs() {
+  constexpr double leastPivot = 1e-6;
+  const auto count = static_cast<int>(pairs_.size());
+  const auto responseOf = [this](int unknown, int pair) {
+    const int row = pairs_[pair].row;
+    return response_(unknown, 2 * pair) * current_[row] + response_(unknown, 2 * pair + 1) * current_[row + 1];
+  };
+  pairFactor_.matrix().resize(count, count);
+  ownerForce_.resize(count);
+  for (int a = 0; a < count; ++a) {
+    const int unknown = pairs_[a].unknown;
+    for (int b = 0; b < count; ++b)
+      pairFactor_.matrix()(a, b) = (a == b ? 1.0 : 0.0) - (unknown >= 0 ? responseOf(unknown, b) : 0.0);
+    ownerForce_[a] = unknown >= 0 ? own_[unknown] : fixed_[pairs_[a].owner];
+  }
+  if (count > 0 && !pairFactor_.factor(leastPivot))
+    return false;
+  if (count > 0)
+    pairFactor_.solve(ownerForce_.data());
+  unknown_ = own_;
+  for (int b = 0; b < count; ++b) {
+    const int row = pairs_[b].row;
+    unknown_ += ownerForce_[b] * (current_[row] * response_.col(2 * b) + current_[row + 1] * response_.col(2 * b + 1));
+  }
+  redundant_ = isSingular_;
+  return true;
+}
+
+void FrozenMode::poseTurned(const FrozenProblem &problem) {
+  const int n = problem.normalCount;
+  turned_ = problem.delassus;
+  turnedFriction_ = friction_;
+  for (const SlippingPair &pair : pairs_) {
+    turnRows(turned_, n + pair.row, current_[pair.row], current_[pair.row + 1]);
+    turnedFriction_[pair.row + 1] = 0;
+    slip_[pair.row] = static_cast<std::int8_t>(sign[pair.row]);
+  }
+  equations_.setMode(rowsOf(problem, turned_, turnedFriction_), active_.data(), slip_.data());
+  for (const SlippingPair &pair : pairs_)
+    slip_[pair.row] = 0;
+}
+
+// All equations at once.
+void FrozenMode::solveTurned(const FrozenProblem &problem) {
+  poseTurned(problem);
+  const ContactRowData rows = rowsOf(problem, turned_, turnedFriction_);
+  LuFactor factor;
+  equations_.assemble(rows, factor.matrix());
   const int active = equations_.activeCount();
   unknown_.resize(active);
   equations_.rightHandSide(rows, fixed_.data(), unknown_.data());
   double largest = 0;
   for (int k = 0; k < active; ++k)
-    largest = std::max(largest, factor_.matrix()(k, k));
-  const Eigen::MatrixXd matrix = factor_.matrix().map();
-  redundant_ = active > 0 && !factor_.factor(singular * largest);
+    largest = std::max(largest, factor.matrix()(k, k));
+  const Eigen::MatrixXd matrix = factor.matrix().map();
+  redundant_ = active > 0 && !factor.factor(singular * largest);
   if (redundant_) {
-    Eigen::VectorXd reference(active);
     for (int k = 0; k < active; ++k)
-      reference[k] = reference_[equations_.active()[k]];
-    Eigen::Map<Eigen::VectorXd> unknown(unknown_.data(), active);
+      reference_[k] = nearby_[equations_.active()[k]];
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
     decomposition.setThreshold(singular);
     decomposition.compute(matrix);
-    unknown = reference + decomposition.solve(unknown - matrix * reference).eval();
+    unknown_ = reference_ + decomposition.solve(unknown_ - matrix * reference_).eval();
   } else if (active > 0) {
-    factor_.solve(unknown_.data());
+    factor.solve(unknown_.data());
   }
-  force.resize(n + m);
-  equations_.expand(rows, unknown_.data(), force.data(), acceleration_.data());
-  for (int j = 0; j < m; ++j) {
-    if (problem.partner[j] < j || tangent[j] != Tangent::Slip)
-      continue;
-    const double along = force[n + j];
-    force[n + j] = current_[j] * along;
-    force[n + j + 1] = current_[j + 1] * along;
+  for (std::size_t k = 0; k < pairs_.size(); ++k)
+    ownerForce_[k] = pairs_[k].unknown >= 0 ? unknown_[pairs_[k].unknown] : fixed_[pairs_[k].owner];
+}
+
+bool FrozenMode::forces(const FrozenProblem &problem, const std::vector<double> &velocity, double rest, std::vector<double> &force) {
+  const int n = problem.normalCount;
+  turnDirections(problem, velocity, rest);
+  if (!isPosed())
+    pose(problem);
+  if (!solveByPairs())
+    solveTurned(problem);
+  force.resize(n + problem.tangentCount);
+  unturned_.expandForces(rowsOf(problem, problem.delassus, friction_), unknown_.data(), force.data());
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const int row = pairs_[k].row;
+    const double along = -problem.friction[row] * ownerForce_[k];
+    force[n + row] = current_[row] * along;
+    force[n + row + 1] = current_[row + 1] * along;
   }
   return std::all_of(force.begin(), force.end(), [](double f) { return std::isfinite(f); });
 }
@@ -171,8 +277,8 @@ int FrozenMode::poseLimits(const FrozenProblem &problem) {
 
 bool FrozenMode::center(const FrozenProblem &problem, std::vector<int> &leaving) {
   constexpr double consistent = 1e-6;
-  const ContactRowData rows = {problem.normalCount,  problem.tangentCount, &turned_,      bias_.data(),
-                               problem.owner.data(), friction_.data(),     offset_.data()};
+  poseTurned(problem);
+  const ContactRowData rows = rowsOf(problem, turned_, turnedFriction_);
   const int limitCount = poseLimits(problem);
   DenseMatrix matrix;
   equations_.assemble(rows, matrix);
@@ -189,7 +295,8 @@ bool FrozenMode::center(const FrozenProblem &problem, std::vector<int> &leaving)
     return false;
   }
   for (int k = 0; k < equations_.activeCount(); ++k)
-    reference_[equations_.active()[k]] = admissible_.innermost()[k];
+    nearby_[equations_.active()[k]] = admissible_.innermost()[k];
+  posed_ = false;
   return true;
 }
 

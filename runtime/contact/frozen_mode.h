@@ -1,5 +1,6 @@
 // What contacts do on one piece of a frozen phase with slips of two components, and their forces there as a function of the velocities: the
-// direction of friction of pairs turns with their slip (spatial_frozen_phase.h).
+// direction of friction of pairs turns with their slip (spatial_frozen_phase.h). The equations are factorised once for a piece, without
+// that friction; with it remains a system of the size of the number of pairs that slip under a held contact.
 #ifndef TF_RUNTIME_CONTACT_FROZEN_MODE_H
 #define TF_RUNTIME_CONTACT_FROZEN_MODE_H
 
@@ -36,7 +37,10 @@ public:
   // it is below `rest`. Redundant rows: the forces nearest to those of `refer`. False where they are not finite.
   bool forces(const FrozenProblem &problem, const std::vector<double> &velocity, double rest, std::vector<double> &force);
   // Forces (n + m) of the mode, of which those of redundant rows stay near.
-  void refer(const std::vector<double> &force) { reference_ = force; }
+  void refer(const std::vector<double> &force) {
+    nearby_ = force;
+    posed_ = false;
+  }
   // Of the latest `forces`.
   [[nodiscard]] bool isRedundant() const { return redundant_; }
   // After `forces` with redundant rows: the forces with the largest common margin to their limits, 0 ≤ λ_n ≤ rate and ‖λ_t‖ ≤ μ λ_n, are
@@ -45,16 +49,48 @@ public:
   bool center(const FrozenProblem &problem, std::vector<int> &leaving);
 
 private:
-  void align(const FrozenProblem &problem, const std::vector<double> &velocity, double rest);
+  // A pair that slips, of the row j.
+  struct SlippingPair {
+    int row = 0, owner = 0;
+    int unknown = -1;  // of the equations: the owner's normal force; −1: it is fixed
+  };
+
+  void turnDirections(const FrozenProblem &problem, const std::vector<double> &velocity, double rest);
+  [[nodiscard]] bool isPosed() const;
+  void pose(const FrozenProblem &problem);
+  void solveUnturned(Eigen::VectorXd &x) const;
+  bool solveByPairs();
+  void poseTurned(const FrozenProblem &problem);
+  void solveTurned(const FrozenProblem &problem);
+  [[nodiscard]] ContactRowData rowsOf(const FrozenProblem &problem, const DenseMatrix &delassus, const std::vector<double> &friction) const;
   int poseLimits(const FrozenProblem &problem);
 
-  std::vector<double> current_;  // m: directions of the frames
+  std::vector<double> current_;  // m: directions of the pairs that slip
+
+  // The mode without the friction of the pairs that slip, which is all that turns: its forces, and what a unit force of each row of a pair
+  // adds to them (with the sign of friction).
+  bool posed_ = false;
+  std::vector<Normal> posedNormal_;
+  std::vector<Tangent> posedTangent_;
+  std::vector<int> posedSign_;
+  std::vector<SlippingPair> pairs_;
+  ModeEquations unturned_;
+  LuFactor factor_;
+  bool isSingular_ = false;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
+  Eigen::VectorXd unknown_, own_, reference_;
+  Eigen::MatrixXd response_;  // of pair k: columns 2 k and 2 k + 1
+  LuFactor pairFactor_;
+  std::vector<double> ownerForce_;  // of pairs
+
+  // The mode with it, in frames along the slips.
   DenseMatrix turned_;
   ModeEquations equations_;
-  LuFactor factor_;
+  std::vector<double> turnedFriction_;
+
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
-  std::vector<double> friction_, offset_, bias_, fixed_, unknown_, acceleration_, reference_;
+  std::vector<double> friction_, offset_, bias_, fixed_, nearby_;
   bool redundant_ = false;
   ConicForces admissible_;
 };

@@ -69,42 +69,112 @@ double SpatialFrozenPhase::Workspace::responsiveness() const {
 }
 
 // `point` and `pointForce` at y, and y'.
-bool SpatialFrozenPhase::Workspace::moveTo(const Eigen::VectorXd &y, Eigen::VectorXd &rate) {
+bool SpatialFrozenPhase::Workspace::rate(const Eigen::VectorXd &y, Eigen::VectorXd &f) {
   const int count = n + m;
-  for (int r = 0; r < count; ++r) {
-    point[r] = velocity[r];
-    for (int c = 0; c < count; ++c)
-      point[r] += problem->delassus(r, c) * y[c];
-  }
+  point = velocity;
+  Eigen::Map<Eigen::VectorXd>(point.data(), count) += problem->delassus.map() * y.head(count);
   if (!mode.forces(*problem, point, stillSpeed, pointForce))
     return false;
-  rate.resize(count + n);
-  std::copy(pointForce.begin(), pointForce.end(), rate.data());
-  std::copy_n(point.begin(), n, rate.data() + count);
+  f.resize(count + n);
+  std::copy(pointForce.begin(), pointForce.end(), f.data());
+  std::copy_n(point.begin(), n, f.data() + count);
   return true;
+}
+
+// Forces depend on the slips of the pairs that slip alone: their derivatives, by differences.
+bool SpatialFrozenPhase::Workspace::linearise() {
+  const double increment = 0.1 * stillSpeed;
+  turning.clear();
+  for (int j = 0; j < m; ++j)
+    if (mode.tangent[j] == FrozenMode::Tangent::Slip && problem->partner[j] >= 0)
+      turning.push_back(n + j);
+  const auto count = static_cast<Eigen::Index>(turning.size());
+  if (!rate(zeroState, state))
+    return false;
+  integrator.start(zeroState, state);
+  forceByTurn.resize(n + m, count);
+  turnByForce.resize(count, n + m);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    point = velocity;
+    point[turning[k]] += increment;
+    if (!mode.forces(*problem, point, stillSpeed, pointForce))
+      return false;
+    forceByTurn.col(k) = (Eigen::Map<const Eigen::VectorXd>(pointForce.data(), n + m) - state.head(n + m)) / increment;
+    turnByForce.row(k) = problem->delassus.map().row(turning[k]);
+  }
+  turnByTurn = turnByForce * forceByTurn;
+  return true;
+}
+
+void SpatialFrozenPhase::Workspace::factor(double part) {
+  stepPart = part;
+  turnFactor.compute(Eigen::MatrixXd::Identity(turnByTurn.rows(), turnByTurn.rows()) - part * turnByTurn);
+}
+
+// By the matrix inversion lemma: the derivative of P' by P is forceByTurn · turnByForce.
+void SpatialFrozenPhase::Workspace::solve(Eigen::VectorXd &x) const {
+  const int count = n + m;
+  if (!turning.empty())
+    x.head(count) += stepPart * (forceByTurn * turnFactor.solve(turnByForce * x.head(count)));
+  x.tail(n) += stepPart * (problem->delassus.map().topRows(n) * x.head(count));
 }
 
 // From `velocity` over h, after integrator.start: `state`, `point` and `pointForce`. False: the step is too long.
 bool SpatialFrozenPhase::Workspace::integrate(double h) {
-  const auto rate = [this](const Eigen::VectorXd &y, Eigen::VectorXd &f) { return moveTo(y, f); };
-  const bool good = integrator.step(h, accuracy * scale / responsiveness(), rate);
+  if (h == integratedLength)
+    return isIntegrated;
+  const bool good = integrator.step(h, accuracy * scale / responsiveness(), *this);
   state = integrator.end();
   Eigen::VectorXd ignored;
-  return moveTo(state, ignored) && good;
+  integratedLength = h;
+  return isIntegrated = rate(state, ignored) && good;
 }
 
-// Regula falsi (Illinois) on the step's length; the value is positive for short steps and negative at `high`. 0: shorter steps fail.
+// d value/dh at the end of the last step; NaN for forces.
+double SpatialFrozenPhase::Workspace::slope(const Watch &watch) const {
+  const int i = watch.index, row = n + i;
+  const auto change = [this](int r) {
+    return problem->delassus.map().col(r).dot(Eigen::Map<const Eigen::VectorXd>(pointForce.data(), n + m));
+  };
+  switch (watch.kind) {
+  case Watch::Kind::Normal:
+    return watch.sign * change(i);
+  case Watch::Kind::Slip:
+    return watch.sign * change(row);
+  case Watch::Kind::PairSlip:
+    return mode.direction[i] * change(row) + mode.direction[i + 1] * change(row + 1);
+  case Watch::Kind::StoredImpulse:
+    return -problem->rate[i];
+  case Watch::Kind::StoredWork:
+    return -problem->rate[i] * point[i];
+  case Watch::Kind::HeldLow:
+  case Watch::Kind::HeldHigh:
+  case Watch::Kind::Stick:
+    break;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+// The length of the step at whose end the value is zero: it is positive for short steps and negative at `high`, the last one. Newton's
+// method where the slope is known, else regula falsi (Illinois). 0: shorter steps fail.
 double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
-  double low = 0, lowValue = 0, highValue = value(watch, high);
+  constexpr double resolution = 2e-16;
+  double low = 0, lowValue = 0, x = high, v = value(watch, high), highValue = v;
   bool known = false;  // the value at `low`
   int side = 0;
-  for (int k = 0; k < 100 && high - low > 2e-16 * high; ++k) {
-    double x = known ? (lowValue * high - highValue * low) / (lowValue - highValue) : 0.5 * (low + high);
-    if (!(x > low && x < high))
-      x = 0.5 * (low + high);
+  for (int k = 0; k < 100 && high - low > resolution * high; ++k) {
+    const double correction = -v / slope(watch);
+    if (std::abs(correction) <= resolution * x)
+      return x;
+    double next = x + correction;
+    if (!(next > low && next < high))
+      next = known ? (lowValue * high - highValue * low) / (lowValue - highValue) : 0.5 * (low + high);
+    if (!(next > low && next < high))
+      next = 0.5 * (low + high);
+    x = next;
     if (!integrate(x) && !nearlyIntegrated())
       return 0;
-    const double v = value(watch, x);
+    v = value(watch, x);
     if (std::abs(v) <= 1e-16 * scale)
       return x;
     if (v > 0) {
@@ -191,8 +261,8 @@ bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch
     if (isPair(j) && mode.tangent[j] == FrozenMode::Tangent::Slip && slipSpeed(j, velocity) > 10 * stillSpeed)
       mode.setDirection(j, velocity[n + j], velocity[n + j + 1]);
   listWatches();
-  const auto rate = [this](const Eigen::VectorXd &y, Eigen::VectorXd &f) { return moveTo(y, f); };
-  if (!integrator.start(zeroState, 0.1 * stillSpeed / responsiveness(), rate))
+  integratedLength = 0;
+  if (!linearise())
     return false;
   // A little beyond zeros that a straight piece would have, so that they are located at once, but for those of slips.
   double h = std::min(nextLength, slipStops ? estimate : 1.05 * estimate);

@@ -64,6 +64,12 @@ struct SpatialFrozenPhase::Workspace {
   std::vector<Watch> watches;
   Eigen::VectorXd state, zeroState;  // P − P(begin of the step), ∫ c2 dτ
   std::vector<double> point, pointForce;
+  std::vector<int> turning;                              // rows of pairs that slip
+  Eigen::MatrixXd forceByTurn, turnByForce, turnByTurn;  // dλ/dv of these rows [(n + m) × r], their D [r × (n + m)], the product
+  Eigen::PartialPivLU<Eigen::MatrixXd> turnFactor;       // of I − stepPart · turnByTurn
+  double stepPart = 0;
+  double integratedLength = 0;  // of the last step; 0: none
+  bool isIntegrated = false;    // it was accepted
   double nextLength = 0;
   double roundingSpeed = 0;    // velocities below are within rounding of zero
   double stillSpeed = 0;       // slips below come to rest, or start
@@ -105,8 +111,12 @@ struct SpatialFrozenPhase::Workspace {
   void listWatches();
   [[nodiscard]] double value(const Watch &watch, double duration) const;
   double responsiveness() const;
-  bool moveTo(const Eigen::VectorXd &y, Eigen::VectorXd &rate);
+  bool rate(const Eigen::VectorXd &y, Eigen::VectorXd &f);
+  bool linearise();
+  void factor(double part);
+  void solve(Eigen::VectorXd &x) const;
   bool integrate(double h);
+  [[nodiscard]] double slope(const Watch &watch) const;
   // The last step has missed the accuracy by little, as steps that end at an event may.
   [[nodiscard]] bool nearlyIntegrated() const { return integrator.error() <= 1e3 * accuracy * scale / responsiveness(); }
   bool findEvent(double &h, Watch &event, bool &found);
