@@ -37,10 +37,13 @@ bool Restitution::push(std::span<const double> force) {
   for (std::size_t i = 0; i < pushed_.size(); ++i)
     pushed_[i] = pushed_[i] != 0 || force[i] > 0 ? 1 : 0;
   several_ = std::count(pushed_.begin(), pushed_.end(), 1) > 1;
+  bool ended = false;
   for (std::size_t i = 0; several_ && i < pushed_.size(); ++i)
-    if (law_[i] == ImpactLaw::Poisson && work_[i] <= 0)
+    if (law_[i] == ImpactLaw::Poisson && work_[i] <= 0) {
+      ended = ended || impulse_[i] > 0;
       set(static_cast<int>(i), 0, 0);
-  return several_;
+    }
+  return ended;
 }
 
 // The root of w = a (velocity t + acceleration t²/2), without cancellation.

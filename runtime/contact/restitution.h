@@ -33,7 +33,7 @@ public:
   [[nodiscard]] double impulse(int i) const { return impulse_[i]; }
   [[nodiscard]] double work(int i) const { return work_[i]; }
 
-  // These contacts (force > 0) push. True if the rule for several contacts holds from now on.
+  // These contacts (force > 0) push. True if the rule for several contacts holds from now on and has ended the push of one of them.
   bool push(std::span<const double> force);
 
   // Time until the contact has used up what it stores, while its velocity moves as velocity + acceleration t and does not cross zero.

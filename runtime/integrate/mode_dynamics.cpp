@@ -52,17 +52,20 @@ bool ModeDynamics::choose(const Mode &mode, double time, const double *state, co
     system_.choose(model, contacts, tangents);
   contactMode_.resize(problem_.normalCount, problem_.tangentCount);
   std::fill(contactMode_.closed.begin(), contactMode_.closed.end(), std::uint8_t{1});
+  limitsVary_ = false;
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     contactMode_.slip[j] = static_cast<std::int8_t>(mode.tangent[tangents[j]]);
     problem_.slipSign[j] = contactMode_.slip[j];
+    const int owner = problem_.owner[j];
+    limitsVary_ = limitsVary_ || owner < 0 || model.contacts[contacts[owner]].friction_varies != 0;
   }
   slips_.choose(mode_, rows_, problem_, time, state);
   projection_.resize();
   nothingStops_.assign(tangents.size(), 0);
-  rowChange_.assign(rows_.count(), 0.0);
-  forceChange_ = rowChange_;
-  limitChange_.assign(tangents.size(), 0.0);
-  closedForce_.assign(contacts.size(), 0.0);
+  rowChange_.resize(rows_.count());
+  forceChange_.resize(rows_.count());
+  limitChange_.resize(tangents.size());
+  closedForce_.resize(contacts.size());
   closedRate_.clear();
   for (int i : contacts)
     closedRate_.push_back(at_.rate[i]);
@@ -368,8 +371,10 @@ bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate)
   isGathered_ = hasRows_ = isComplete_ = false;
   if (rows_.count() > 0) {
     at_.contactForces(mask_.data());
-    rows_.gatherLimits(at_, problem_);
-    watchFriction();
+    if (limitsVary_ || preparedRevision_ != at_.parameterRevision()) {
+      rows_.gatherLimits(at_, problem_);
+      watchFriction();
+    }
   } else {
     at_.forces();
   }

@@ -238,6 +238,7 @@ private:
   bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M
   bool hasRows_ = false;     // D is that of the last evaluation too
   bool isComplete_ = false;  // and forces_
+  bool limitsVary_ = false;  // coefficients and bounds of friction do, with more than parameters
   bool metNegativeFriction_ = false;
   double correction_ = 0;
   bool isProjected_ = false;  // projected_ is the point of the last evaluation, and its own projection

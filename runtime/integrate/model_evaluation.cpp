@@ -37,6 +37,8 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
     kinematicsByCoordinate = array(model.nq, model.nq);
     coordinateChange_ = array(model.nq);
   }
+  contactDynamics_ = {massMatrix.data(), force.data(),       stateRate.data(), normal.data(), normalBias.data(),
+                      tangent.data(),    tangentBias.data(), friction.data(),  bound.data()};
   in_[TF_IN_TIME] = &time_;
   in_[TF_IN_U] = input.data();
   in_[TF_IN_ALPHA] = stepVariable.data();
@@ -106,9 +108,7 @@ void ModelEvaluation::contactForces(const std::uint8_t *mask) {
     contactTerms(mask);
     return;
   }
-  double *const out[] = {massMatrix.data(), force.data(),       stateRate.data(), normal.data(), normalBias.data(),
-                         tangent.data(),    tangentBias.data(), friction.data(),  bound.data()};
-  model_->contact_dynamics(in_, out, mask);
+  model_->contact_dynamics(in_, contactDynamics_.data(), mask);
 }
 
 void ModelEvaluation::forces() {

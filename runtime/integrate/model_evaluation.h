@@ -17,6 +17,8 @@ namespace tf::runtime {
 class ModelEvaluation {
 public:
   ModelEvaluation(const tf_model &model, const InputSignals &inputs);
+  ModelEvaluation(const ModelEvaluation &) = delete;
+  ModelEvaluation &operator=(const ModelEvaluation &) = delete;
 
   // np values, which must outlive the evaluation; factorises a constant mass matrix. False: it is not positive definite.
   bool setParameters(const double *parameters);
@@ -123,6 +125,7 @@ private:
   const tf_model *model_;
   const InputSignals *inputs_;
   const double *in_[TF_IN_COUNT] = {};
+  std::array<double *, 9> contactDynamics_;  // its results
   std::vector<double> coordinateChange_, inputShift_;
   std::vector<double> zero_;  // a state
   double time_ = 0, segment_ = 0;

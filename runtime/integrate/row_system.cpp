@@ -58,6 +58,8 @@ bool areClose(const double *x, const double *y, int count, double accepted) {
 void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem) {
   contacts_ = contacts;
   tangents_ = tangents;
+  normalCount_ = static_cast<int>(contacts.size());
+  count_ = normalCount_ + static_cast<int>(tangents.size());
   nv_ = model.nv;
   jacobian_.resize(static_cast<std::size_t>(count()) * nv_);
   half_.resize(jacobian_.size());

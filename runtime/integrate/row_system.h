@@ -65,8 +65,8 @@ public:
 
   // Number of velocities.
   [[nodiscard]] int width() const { return nv_; }
-  [[nodiscard]] int count() const { return static_cast<int>(contacts_.size() + tangents_.size()); }
-  [[nodiscard]] int normalCount() const { return static_cast<int>(contacts_.size()); }
+  [[nodiscard]] int count() const { return count_; }
+  [[nodiscard]] int normalCount() const { return normalCount_; }
   [[nodiscard]] const std::vector<int> &contacts() const { return contacts_; }
   [[nodiscard]] const std::vector<int> &tangents() const { return tangents_; }
 
@@ -107,7 +107,7 @@ private:
   bool sumAsWhole(const double *forces) const;
   bool sumBlocks(const double *forces) const;
 
-  int nv_ = 0;
+  int nv_ = 0, normalCount_ = 0, count_ = 0;
   const Mobility *mobility_ = nullptr;
   std::vector<double> jacobian_;          // count × nv, row-major
   std::vector<double> half_, scaled_;     // Zᵀ and Zᵀ Δ⁻¹, alike; undefined on blocks that the row does not move

@@ -52,7 +52,7 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
 }
 
 // Impulse times velocity of the boundary: what the row's velocity J v lacks of its rate, and H v of zero.
-void Impact::measureWork(const double *impulse, const double *velocities) {
+void Impact::findWork(const double *impulse, const double *velocities) {
   const tf_model &model = at_.model();
   const int normals = rows_.normalCount();
   boundaryWork_ = 0;
@@ -152,7 +152,8 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
   total_ = result.impulse;
   admissible_.choose(problem_, result.velocity, total_);
   certify(result, total_);
-  measureWork(total_.data(), state + model.nq);
+  if (measuresWork_)
+    findWork(total_.data(), state + model.nq);
   rows_.accelerate(total_.data(), state + model.nq);
   state[at_.tauIndex()] += result.duration;
   for (std::size_t i = 0; i < contacts.size(); ++i)

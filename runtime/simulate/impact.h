@@ -29,15 +29,16 @@ public:
   [[nodiscard]] int starter() const { return starter_; }
 
   [[nodiscard]] const std::string &text() const { return text_; }
-  // Work that moving boundaries and time-dependent constraints did in the last impact.
+  // Work that moving boundaries and time-dependent constraints did in the last impact, where it is measured.
   [[nodiscard]] double boundaryWork() const { return boundaryWork_; }
+  void measureWork(bool measures) { measuresWork_ = measures; }
   [[nodiscard]] int breakpoints() const { return breakpoints_; }
   // The largest residual of the impacts since resetStatistics: see certify.
   [[nodiscard]] double worstResidual() const { return worstResidual_; }
   void resetStatistics() { worstResidual_ = 0; }
 
 private:
-  void measureWork(const double *impulse, const double *velocities);
+  void findWork(const double *impulse, const double *velocities);
   void certify(const FrozenResult &result, const std::vector<double> &impulse);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
   const FrozenResult &follow(const std::vector<int> &contacts, const std::vector<int> &forced);
@@ -54,7 +55,7 @@ private:
   std::vector<std::uint8_t> mask_;
   std::vector<int> tangents_;
   std::string text_;
-  bool elastic_ = true;
+  bool elastic_ = true, measuresWork_ = false;
   int breakpoints_ = 0, starter_ = -1;
   double boundaryWork_ = 0, worstResidual_ = 0;
   std::vector<double> impulse_, multiplier_;

@@ -240,7 +240,9 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   at_.setPoint(time, state);
   if (!at_.dynamics())
     return Trial::Failed;
-  at_.contactTerms(mask_.data());
+  // Else chooseRows has called them.
+  if (!surfaces_.empty())
+    at_.contactTerms(mask_.data());
   if (text_ = negativeFriction(); !text_.empty())
     return Trial::Failed;
   system_.gather(at_);

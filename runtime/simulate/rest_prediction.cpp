@@ -76,15 +76,15 @@ void RestPrediction::read(const double *numbers) {
 }
 
 // False where it is too early for a prediction.
-bool RestPrediction::recordImpact(double time, const double *before) {
+bool RestPrediction::recordImpact(double time, const std::vector<Approach> &approaches) {
   bouncesLow_ = false;
   bool slowed = false;
-  selection_.findTouching(time, before);
-  for (const int i : selection_.approaching()) {
-    last_[i] = -at_.gapRate[i];
-    fastest_[i] = std::max(fastest_[i], last_[i]);
-    slowed = slowed || last_[i] <= early * fastest_[i];
-    bouncesLow_ = bouncesLow_ || last_[i] <= low * fastest_[i];
+  for (const auto &[contact, speed] : approaches) {
+    double &fastest = fastest_[contact];
+    last_[contact] = speed;
+    fastest = std::max(fastest, speed);
+    slowed = slowed || speed <= early * fastest;
+    bouncesLow_ = bouncesLow_ || speed <= low * fastest;
   }
   const double interval = time - lastImpact_;
   lastImpact_ = time;
@@ -445,10 +445,10 @@ bool RestPrediction::nothingElseHappens() {
   return true;
 }
 
-const RestPoint *RestPrediction::afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale,
-                                             Sensitivities *sensitivities) {
+const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Approach> &approaches, const double *state, double tolerance,
+                                             const double *scale, Sensitivities *sensitivities) {
   const double previousImpact = lastImpact_;
-  if (!recordImpact(time, before))
+  if (!recordImpact(time, approaches))
     return nullptr;
   passed_ = 0;
   Prediction prediction;

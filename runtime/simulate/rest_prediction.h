@@ -25,6 +25,12 @@ struct RestPoint {
   double frictionWork = 0;
 };
 
+// The speed at which a contact approaches before an impact.
+struct Approach {
+  int contact = 0;
+  double speed = 0;
+};
+
 class RestPrediction {
 public:
   RestPrediction(ModeDynamics &dynamics, ModeSelection &selection);
@@ -34,11 +40,11 @@ public:
   // The forces have changed by a jump: earlier predictions are void.
   void restart();
 
-  // After an impact at `time` that has led from the state `before` to `state`; the dynamics is in the mode that follows. The point of rest
-  // where it is known to `tolerance` (relative to max(scale, |y|), [n]), else null. The pointer is valid until the next call.
-  // `sensitivities` (may be null) are those along the impact, whose time moves; their point of rest must be known as well.
-  const RestPoint *afterImpact(double time, const double *before, const double *state, double tolerance, const double *scale,
-                               Sensitivities *sensitivities);
+  // After an impact of these contacts at `time` that has led to `state`; the dynamics is in the mode that follows. The point of rest where
+  // it is known to `tolerance` (relative to max(scale, |y|), [n]), else null. The pointer is valid until the next call. `sensitivities`
+  // (may be null) are those along the impact, whose time moves; their point of rest must be known as well.
+  const RestPoint *afterImpact(double time, const std::vector<Approach> &approaches, const double *state, double tolerance,
+                               const double *scale, Sensitivities *sensitivities);
 
   // The contacts of the last impact have become slow, compared with their fastest impacts.
   [[nodiscard]] bool bouncesLow() const { return bouncesLow_; }
@@ -56,7 +62,7 @@ private:
   };
 
   void forget();
-  bool recordImpact(double time, const double *before);
+  bool recordImpact(double time, const std::vector<Approach> &approaches);
   void chooseContacts(double time, const double *state);
   bool addReachable(double time, const double *state, const RestPoint &end);
   void chooseRows(double time, const double *state);

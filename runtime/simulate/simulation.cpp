@@ -142,6 +142,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   if (std::string text = failures_.contactsAtStart(time_, state_.data()); !text.empty())
     return fail(std::move(text));
   energy_.reset();
+  impact_.measureWork(owner_.options.energyBalance);
   values_.setEnergyBalance(nullptr);
   if (owner_.options.energyBalance) {
     energy_ = std::make_unique<EnergyBalance>(dynamics_);

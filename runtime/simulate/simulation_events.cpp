@@ -12,11 +12,15 @@ namespace tf::runtime {
 
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
+  approaches_.clear();
   for (int pass = 0; pass < 50; ++pass) {
     const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
     switch (selection.status) {
     case SelectionStatus::Impact:
+      for (const int i : selection_.approaching())
+        if (pass == 0)
+          approaches_.push_back({i, -at_.gapRate[i]});
       if (const tf_status status = freeze(transitions, -1); status != TF_OK)
         return status;
       continue;
@@ -44,7 +48,8 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   modeValid_ = true;
   std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
   // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
-  if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) > 1e-15 &&
+  constexpr double rounding = 1e-14;
+  if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) > rounding &&
       !dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
   if (selection.indeterminate)
@@ -452,7 +457,7 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
 tf_status Simulation::Implementation::afterImpact(double limit) {
   if (sensitivities_)
     sensitivities_->reopenEvent(rate_.data());
-  const RestPoint *rest = rest_.afterImpact(time_, before_.data(), state_.data(), owner_.options.tolerance,
+  const RestPoint *rest = rest_.afterImpact(time_, approaches_, state_.data(), owner_.options.tolerance,
                                             integrators_.current().settings().scale.data(), sensitivities_.get());
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());

@@ -72,6 +72,7 @@ public:
   Redundancy redundancy_;
   // workspaces
   std::vector<Transition> transitions_;
+  std::vector<Approach> approaches_;  // before the event
   std::vector<int> frozenContacts_, frozenApproaching_;
   Mode restingMode_;
   std::vector<std::uint8_t> mayStop_;  // nt: slips that may become zero after an impact

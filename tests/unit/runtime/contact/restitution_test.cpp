@@ -1,5 +1,6 @@
 // Frozen phases with restitution (theory.md section 3) against closed forms.
 #include "runtime/contact/frozen_phase.h"
+#include "runtime/contact/restitution.h"
 
 #include "tests/unit/runtime/contact/mechanisms.h"
 
@@ -7,6 +8,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 namespace tf::runtime {
 namespace {
@@ -55,6 +57,24 @@ FrozenProblem with(FrozenProblem problem, double restitution, ImpactLaw law) {
   problem.restitution.assign(problem.normalCount, restitution);
   problem.law.assign(problem.normalCount, law);
   return problem;
+}
+
+// The rule for several contacts takes from those of Poisson's law that have done no work what they have stored, and from no others.
+TEST(FrozenRestitution, ASecondContactChangesThePushOfThoseThatItEnds) {
+  const std::vector<double> coefficient = {0.5, 0.5}, rate = {1, 1}, velocity = {-1, 0};
+  for (const ImpactLaw law : allLaws) {
+    const std::vector<ImpactLaw> laws = {law, law};
+    Restitution restitution;
+    restitution.begin(coefficient, laws, rate, velocity);
+    EXPECT_FALSE(restitution.push(std::vector<double>{1, 0}));
+    EXPECT_FALSE(restitution.push(std::vector<double>{1, 1})) << "nothing has been stored";
+    restitution.begin(coefficient, laws, rate, velocity);
+    EXPECT_FALSE(restitution.push(std::vector<double>{1, 0}));
+    restitution.set(0, 0.5, 0);
+    EXPECT_EQ(restitution.push(std::vector<double>{1, 1}), law == ImpactLaw::Poisson);
+    EXPECT_EQ(restitution.impulse(0), law == ImpactLaw::Poisson ? 0 : 0.5);
+    EXPECT_FALSE(restitution.push(std::vector<double>{1, 1})) << "the rule holds already";
+  }
 }
 
 TEST(FrozenRestitution, OneBallLeavesWithItsShareOfTheSpeed) {

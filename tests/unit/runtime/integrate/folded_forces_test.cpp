@@ -66,6 +66,26 @@ TEST(FoldedForces, OfAStickingCornerAreThoseOfAllRows) {
   expectSameForces(box);
 }
 
+// Friction that depends on parameters only is read once in a mode, but anew where these change, as for derivatives by them.
+TEST(FoldedForces, ReadFrictionAnewWhereParametersChange) {
+  Box box(0.3, 0.7, Tangent::SlipPositive), other(0.3, 0.7, Tangent::SlipPositive);
+  std::vector<double> rate(box.state.size()), expected = rate, first = rate;
+  ASSERT_TRUE(box.dynamics.start(box.mode, 0, box.state.data(), rate.data()));
+  ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), first.data()));
+  ASSERT_TRUE(other.instance.set("mu", 0.1).ok());
+  ASSERT_TRUE(other.at.setParameters(other.instance.parameters().data()));
+  ASSERT_TRUE(other.dynamics.start(other.mode, 0, other.state.data(), rate.data()));
+  ASSERT_TRUE(other.dynamics.evaluate(0, other.state.data(), expected.data()));
+  ASSERT_NE(first, expected);
+  ASSERT_TRUE(box.at.setParameters(other.instance.parameters().data()));
+  ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), rate.data()));
+  EXPECT_EQ(rate, expected);
+  EXPECT_EQ(box.at.tangentForce, other.at.tangentForce);
+  ASSERT_TRUE(box.at.setParameters(box.instance.parameters().data()));
+  ASSERT_TRUE(box.dynamics.evaluate(0, box.state.data(), rate.data()));
+  EXPECT_EQ(rate, first);
+}
+
 TEST(FoldedForces, OfTwoSlidingCornersAreThoseOfAllRows) {
   Box box(0, -0.7, Tangent::SlipNegative);
   expectSameForces(box);
