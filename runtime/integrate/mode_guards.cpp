@@ -39,7 +39,7 @@ void ModeDynamics::buildGuards() {
   if (rows_.count() > 0) {
     for (double force : rowForces())
       largest = std::max(largest, std::abs(force));
-    for (std::size_t k = 0; k < forces_.margins().size(); ++k)
+    for (std::size_t k = 0; k < leastMargins_.size(); ++k)
       guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
   }
   for (int j = 0; j < model.nt; ++j)
@@ -56,8 +56,9 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
     }
   }
-  for (Guard &guard : guards_)
-    guard.varies = varies(guard);
+  if (model.variation != nullptr)
+    for (Guard &guard : guards_)
+      guard.varies = varies(guard);
 }
 
 bool ModeDynamics::varies(const Guard &guard) const {

@@ -191,11 +191,12 @@ double EventDetection::guardInside(int guard, double time) {
 }
 
 void EventDetection::restart(double time, double speedOfRounding) {
-  needsForces_ =
-      std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return isForceGuard(guard.kind); });
-  varies_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(), [](const Guard &guard) { return guard.varies; });
-  hasDifferences_ = std::any_of(dynamics_.guards().begin(), dynamics_.guards().end(),
-                                [](const Guard &guard) { return hasRateByDifferenceAtEnds(guard.kind); });
+  needsForces_ = varies_ = hasDifferences_ = false;
+  for (const Guard &guard : dynamics_.guards()) {
+    needsForces_ = needsForces_ || isForceGuard(guard.kind);
+    varies_ = varies_ || guard.varies;
+    hasDifferences_ = hasDifferences_ || hasRateByDifferenceAtEnds(guard.kind);
+  }
   cut_ = false;
   starts_.assign(dynamics_.guards().size(), {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0});
   // A gap whose reading leaves the screen's box wakes contacts.

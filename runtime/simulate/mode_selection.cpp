@@ -220,13 +220,16 @@ void ModeSelection::writeMode(const ContactMode &contacts) {
   }
 }
 
-// The latest forces: a start for iterative solutions.
-void ModeSelection::readForces() {
+// The latest forces: a start for iterative solutions, which problems without disks have none of.
+const double *ModeSelection::readForces() {
+  if (!problem_.hasDisks())
+    return nullptr;
   guess_.assign(rows_.count(), 0.0);
   for (int i = 0; i < problem_.normalCount; ++i)
     guess_[i] = at_.normalForce[rows_.contacts()[i]];
   for (int j = 0; j < problem_.tangentCount; ++j)
     guess_[problem_.normalCount + j] = rows_.tangentValue(at_.tangentForce.data(), 1, j);
+  return guess_.data();
 }
 
 // The contact mode for the current step variables.
@@ -248,8 +251,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   system_.gather(at_);
   system_.respond(at_);
   system_.setBias(at_, freeAcceleration_.data());
-  readForces();
-  const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, guess_.data());
+  const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, readForces());
   if (solution.status == ContactStatus::Inconsistent) {
     forced_ = rows_.contacts()[solution.forced];
     return Trial::FrictionalImpulse;

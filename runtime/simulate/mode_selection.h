@@ -90,7 +90,7 @@ private:
   bool conditionsHold(double time, const double *state);
   void writeMode(const ContactMode &contacts);
   void readPrevious(const Mode &previous);
-  void readForces();
+  const double *readForces();
 
   ModeDynamics &dynamics_;
   ModelEvaluation &at_;
