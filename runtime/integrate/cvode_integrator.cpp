@@ -141,7 +141,7 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
 
 void CvodeIntegrator::setTolerance() {
   const double share = stepShare(settings_.tolerance) * settings_.tolerance;
-  solver_->problem.tolerance = careful_ ? std::clamp(carefulFactor * share, 1e-12, 1e-10) : std::max(share, 1e-13);
+  solver_->problem.tolerance = careful_ ? std::clamp(carefulFactor * share, 1e-12, 1e-11) : std::max(share, 1e-13);
 }
 
 void CvodeIntegrator::setCareful(bool careful) {
@@ -151,7 +151,8 @@ void CvodeIntegrator::setCareful(bool careful) {
   setTolerance();
 }
 
-// A component may have more than the mean error, whose bound is 1e-12 at least.
+// A component may have more than the mean error, and errors of some steps add up: the bound of the mean error is 1e-12 at least, and a
+// tenth of this at most.
 double CvodeIntegrator::startingError() const { return std::clamp(0.03 * carefulFactor * settings_.tolerance, 1e-11, 1e-10); }
 
 double CvodeIntegrator::correction() const { return solver_->problem.correction; }

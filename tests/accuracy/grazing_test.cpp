@@ -173,5 +173,32 @@ TEST(Grazing, FarGapsAndFastSlipsTakeNoEvaluations) {
   EXPECT_NEAR(model["x"], 0.5 - std::cos(6.0), 1e-6);
 }
 
+// A follower leaves a cam at no speed and no acceleration: the errors of steps do not close the gap again.
+TEST(Grazing, GapsThatOpenSlowly) {
+  const double lift = 0.2, speed = 10, g = 9.81;
+  const double start = -std::acos(0.0), leaves = (std::acos(0.0) - std::acos(g / (lift * speed * speed))) / speed;
+  for (const auto integrator : {TF_AUTO, TF_EXPLICIT, TF_STEP, TF_CVODE})
+    for (const double tolerance : {1e-4, 1e-5, 1e-6}) {
+      CompiledModel model(sourceFile("follower.tf", fmt::format(R"(
+model Follower
+  coordinate Real phi(start = {:.17g}, der(start = {}));
+  coordinate Real y(start = 0, der(start = {}));
+  body cam(mass = 1, position = {{0, 0}}, angle = phi, inertia = 1);
+  body follower(mass = 1e-6, position = {{0, y}});
+  gravity weight(acceleration = {{0, -{}}});
+  contact tip(gap = y - {}*cos(phi));
+end Follower;
+)",
+                                                                start, speed, lift * speed, g, lift)));
+      model.tolerance(tolerance).integrator(integrator).initialise();
+      for (int k = 0; k <= 400; ++k) {
+        model.advance(0.9 * leaves + k * 1e-4);
+        EXPECT_GE(model["tip.gap"], -1e-9) << tolerance << ' ' << integrator << ' ' << model.time();
+      }
+      ASSERT_EQ(model.events().size(), 1) << tolerance << ' ' << integrator;
+      EXPECT_NEAR(model.events()[0].time, leaves, 10 * tolerance);
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
