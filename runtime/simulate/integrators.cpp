@@ -104,12 +104,14 @@ void Integrators::make(const SimulationOptions &options) {
     bounces_ = element(std::make_unique<DormandPrince>(n));
 }
 
-void Integrators::useForNewMode() {
+void Integrators::useForNewMode(bool bouncesLow) {
   slowSteps_ = 0;
   if (launch_ && dynamics_.launches())
     use(*launch_, IntegratorReason::Launch);
   else if (launch_ && wanted_ != TF_CVODE && dynamics_.holdsEdge())
     use(*launch_, IntegratorReason::Stiffness);
+  else if (bounces_ && bouncesLow)
+    use(*bounces_, IntegratorReason::LowBounces);
   else
     use(*primary_, IntegratorReason::Primary);
 }

@@ -37,10 +37,11 @@ public:
   [[nodiscard]] SmoothIntegrator &primary() { return *primary_; }
   [[nodiscard]] bool primaryIsCurrent() const { return current_ == primary_.get(); }
   // For a mode that begins as the dynamics was started: slips of two components find their direction within instants, in which the
-  // tolerance does not see it; collocation, whose stages obey the law of friction exactly, follows them.
-  void useForNewMode();
+  // tolerance does not see it; collocation, whose stages obey the law of friction exactly, follows them. Between low bounces, see below.
+  void useForNewMode(bool bouncesLow);
   // CVODE starts with steps of low order, which low bounces would consist of. Null: the primary one is as good.
   [[nodiscard]] SmoothIntegrator *forLowBounces() { return bounces_.get(); }
+  [[nodiscard]] bool isForLowBounces() const { return bounces_ != nullptr && current_ == bounces_.get(); }
   // The slips that the current one was chosen for are no longer small.
   [[nodiscard]] bool launchIsOver() const { return current_ == launch_.get() && dynamics_.hasLaunched() && !dynamics_.holdsEdge(); }
   // To take over where the current one cannot meet the tolerance; null: there is none.

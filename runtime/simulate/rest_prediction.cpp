@@ -59,6 +59,7 @@ void RestPrediction::forget() {
 void RestPrediction::restart() {
   forget();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
+  bouncesLow_ = false;
   wait_ = shortestWait;
   pause_ = passed_ = 0;
 }
@@ -87,10 +88,16 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
     bouncesLow_ = bouncesLow_ || speed <= low * fastest;
   }
   const double interval = time - lastImpact_;
+  interval_ = std::isfinite(interval) ? interval : 0;
   lastImpact_ = time;
   if (!(++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval)))
     return false;
   return ++passed_ > pause_;
+}
+
+bool RestPrediction::bouncesLow(double time) const {
+  constexpr double intervals = 3;
+  return bouncesLow_ && time <= lastImpact_ + intervals * interval_;
 }
 
 // Contacts that touch or have bounced take part; others are added where they may close on the way.

@@ -46,8 +46,10 @@ public:
   const RestPoint *afterImpact(double time, const std::vector<Approach> &approaches, const double *state, double tolerance,
                                const double *scale, Sensitivities *sensitivities);
 
-  // The contacts of the last impact have become slow, compared with their fastest impacts.
-  [[nodiscard]] bool bouncesLow() const { return bouncesLow_; }
+  // The contacts of the last impact have become slow, compared with their fastest impacts, and the next one is still to be expected.
+  [[nodiscard]] bool bouncesLow(double time) const;
+  // The contacts have come to rest.
+  void endBounces() { bouncesLow_ = false; }
 
   // What continuation depends on: numberCount() numbers; reading them implies restart().
   [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 1; }
@@ -98,6 +100,7 @@ private:
   std::vector<double> extrapolated_;            // its state and time; empty where there is none
   std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
   bool bouncesLow_ = false;
+  double interval_ = 0;                      // between the last two impacts
   double impacts_ = 0;                       // number
   double lastImpact_ = 0, nextAttempt_ = 0;  // times
   int pause_ = 0, passed_ = 0;               // impacts that are let pass before the next attempt, and those that have

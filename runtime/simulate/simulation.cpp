@@ -58,13 +58,13 @@ std::string Simulation::Implementation::switchesWithoutEnd(int j) const {
 
 // The dynamics has been started in mode_ at (time_, state_) and rate_ is dy/dt there.
 void Simulation::Implementation::startMode() {
-  integrators_.useForNewMode();
+  integrators_.useForNewMode(rest_.bouncesLow(time_));
   startIntegrator(GapsAtStart::Unknown);
 }
 
 // The same, but the mode is the one before.
 void Simulation::Implementation::resumeMode() {
-  integrators_.useForNewMode();
+  integrators_.useForNewMode(rest_.bouncesLow(time_));
   startIntegrator(GapsAtStart::AsBefore);
 }
 
@@ -364,7 +364,8 @@ tf_status Simulation::Implementation::step(double limit) {
   dynamics_.renewDirections(time_, state_.data());
   if (const int guard = lingeringSlip(); guard >= 0)
     return stopLingering(guard, limit);
-  if (integrators_.launchIsOver() && !takeOver(integrators_.primary(), IntegratorReason::Primary))
+  const bool bouncesAreOver = integrators_.isForLowBounces() && !rest_.bouncesLow(time_);
+  if ((integrators_.launchIsOver() || bouncesAreOver) && !takeOver(integrators_.primary(), IntegratorReason::Primary))
     return failEvaluation();
   if (SmoothIntegrator *stiff = integrators_.forStiffness(); stiff != nullptr && !takeOver(*stiff, IntegratorReason::Stiffness))
     return failEvaluation();

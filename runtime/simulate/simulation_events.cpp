@@ -463,7 +463,7 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
     sensitivities_->endEvent(rate_.data());
   if (rest != nullptr && rest->time <= limit)
     return comeToRest(*rest);
-  if (SmoothIntegrator *bounces = integrators_.forLowBounces(); bounces != nullptr && rest_.bouncesLow()) {
+  if (SmoothIntegrator *bounces = integrators_.forLowBounces(); bounces != nullptr && rest_.bouncesLow(time_)) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     integrators_.use(*bounces, IntegratorReason::LowBounces);
@@ -485,6 +485,7 @@ bool Simulation::Implementation::penetrates(const Mode &mode) {
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   const double lastImpact = time_;
+  rest_.endBounces();
   afterImpact_ = state_;
   time_ = point.time;
   state_ = point.state;

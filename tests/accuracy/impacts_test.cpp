@@ -414,6 +414,35 @@ end LivelyBall;
     }
 }
 
+// A wheel hops as often as the lever on its axle knocks on the floor; between two hops it rolls. Their accumulation is followed to its end
+// by all integrators, among them CVODE, of whose errors hops without end would consist.
+TEST(Impacts, HopsWithRollingInBetweenAccumulate) {
+  const std::string file = sourceFile("wheel_with_lever.tf", R"(
+model WheelWithLever
+  coordinate Real x(start = 0, der(start = 1.5)), y(start = 0.3), phi(start = 0, der(start = 5)), psi(start = 0.3);
+  parameter Real R = 0.3;
+  body wheel(mass = 4, position = {x, y}, angle = phi, inertia = 0.2);
+  body lever(mass = 0.5, position = {x + 0.25*cos(psi), y + 0.25*sin(psi)}, angle = psi, inertia = 0.01);
+  gravity weight(acceleration = {0, -9.81});
+  force damping(value = -0.05*der(psi), at = psi);
+  contact ground(gap = y - R, slip = der(x) + R*der(phi), friction = 0.5);
+  contact tip(gap = y + 0.5*sin(psi), slip = der(x) - 0.5*sin(psi)*der(psi), friction = 0.3, restitution = 0.1);
+end WheelWithLever;
+)");
+  CompiledModel reference(file);
+  reference.tolerance(1e-11).run(0.5);
+  ASSERT_EQ(reference.count(TF_EVENT_REST), 2);
+  for (const tf_integrator integrator : kIntegrators)
+    for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator).run(0.5);
+      EXPECT_LT(model.events().size(), 60) << integrator << ' ' << tolerance;
+      EXPECT_NEAR(model.eventTime(TF_EVENT_REST), reference.eventTime(TF_EVENT_REST), 10 * tolerance) << integrator << ' ' << tolerance;
+      for (const char *variable : {"x", "phi", "psi", "der(x)", "der(psi)"})
+        EXPECT_NEAR(model[variable], reference[variable], 10 * tolerance) << integrator << ' ' << tolerance << ' ' << variable;
+    }
+}
+
 // What slides slowly, with or without friction, is not what an impact elsewhere has shaken, whatever the tolerance is.
 TEST(Impacts, LeaveSlowSlipsAsTheyAre) {
   const std::string file = sourceFile("creepers.tf", R"(
