@@ -121,6 +121,13 @@ void ElementIntegrator::moveUniformly(double limit) {
   adopt(limit);
 }
 
+// Of a step that goes safely beyond the event that is expected. One that goes much farther may have failed for what lies behind the event.
+double ElementIntegrator::lengthBeyondEvent() const {
+  constexpr double beyond = 2, shortest = 1e4;
+  const double length = beyond * (expected_ - beginTime_);
+  return length > shortest * smallestStep(beginTime_) ? length : std::numeric_limits<double>::infinity();
+}
+
 StepStatus ElementIntegrator::step(double limit) {
   if (moved_)
     method_->accept();
@@ -163,6 +170,7 @@ StepStatus ElementIntegrator::step(double limit) {
       next_ = h * std::clamp(0.9 * std::pow(error, -1 / method_->errorOrder()), 0.1, 0.9);
       if (!std::isfinite(error))
         next_ = 0.1 * h;
+      next_ = std::min(next_, lengthBeyondEvent());
       continue;
     }
     const double largest = rejected ? 1 : first_ ? 100 : 8;

@@ -53,6 +53,7 @@ private:
   bool startsUniform();
   void moveUniformly(double limit);
   [[nodiscard]] double stepAccuracy() const;
+  [[nodiscard]] double lengthBeyondEvent() const;
   bool solve(double h, double accuracy);
   void adopt(double time);
   double initialStep(double limit);

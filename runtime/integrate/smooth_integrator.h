@@ -38,6 +38,8 @@ public:
   virtual void start(double time, const double *state, const double *rate, double firstStep) = 0;
   // Of the last switch, before start: rates behind it may be powers of the time since then.
   void setSwitchTime(double time) { switchTime_ = time; }
+  // The next step may meet an event at that time, behind which the mode may have no motion worth following; infinity: none is expected.
+  void expectEvent(double time) { expected_ = time; }
   // One step from where the last one ended, not beyond `limit`.
   virtual StepStatus step(double limit) = 0;
   // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy.
@@ -96,6 +98,7 @@ protected:
   IntegratorSettings settings_;
   int n_;
   double beginTime_ = 0, endTime_ = 0;
+  double expected_ = std::numeric_limits<double>::infinity();
   double switchTime_ = -std::numeric_limits<double>::infinity();
   std::vector<double> begin_, beginRate_, end_, endRate_;
   IntegratorStatistics statistics_;

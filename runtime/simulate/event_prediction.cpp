@@ -49,12 +49,18 @@ double EventDetection::expected() {
 }
 
 double EventDetection::stepLimit(double limit) {
-  const bool tries = !cut_ && dynamics_.model().model().nv > RowSystem::narrow && !dynamics_.guards().empty() &&
+  const bool mayCut = !cut_;
+  const bool tries = dynamics_.model().model().nv > RowSystem::narrow && !dynamics_.guards().empty() &&
                      integrator_->settings().fixedStep <= 0 && integrator_->reach() > 0;
   cut_ = false;
+  integrator_->expectEvent(infinity);
   if (!tries)
     return limit;
-  const double begin = integrator_->endTime(), length = expected() * (1 + margin * integrator_->reach());
+  const double begin = integrator_->endTime(), distance = expected(), length = distance * (1 + margin * integrator_->reach());
+  integrator_->expectEvent(begin + distance);
+  // After a step that has ended where nothing happened the next one is as long as the error allows.
+  if (!mayCut)
+    return limit;
   // A step much shorter than times can be told apart would not end where it should.
   if (!(length > 1e4 * std::numeric_limits<double>::epsilon() * std::abs(begin)) || !(begin + length < limit))
     return limit;
