@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 // Code for wider registers beside that of the base architecture. Sanitizers cannot run in the functions that choose.
@@ -17,6 +18,7 @@ namespace tf::runtime {
 namespace {
 
 using Lanes = double __attribute__((vector_size(panelLanes * sizeof(double))));
+using HalfLanes = double __attribute__((vector_size(panelLanes / 2 * sizeof(double))));
 
 // By reference: the convention for vectors as arguments depends on the processor.
 __attribute__((always_inline)) inline void load(Lanes &lanes, const double *from) { std::memcpy(&lanes, from, sizeof lanes); }
@@ -224,12 +226,14 @@ TF_WIDE void forwardPanel(const double *factor, const std::ptrdiff_t *start, con
     }
 }
 
-// Four columns at a time: the rest of the matrix is read and written once for them.
+// Four columns at a time, at first the square on the diagonal and then row by row what is below it: the rest of the matrix is read and
+// written once for them.
 TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular, double *inverse, double *work) {
   constexpr int width = 4;
   const auto row = [matrix, stride](int i) __attribute__((always_inline)) { return matrix + static_cast<std::ptrdiff_t>(i) * stride; };
   for (int i = 0; i < size; ++i)
     inverse[i] = std::abs(row(i)[i]);
+  double *w0 = work, *w1 = w0 + stride, *w2 = w1 + stride, *w3 = w2 + stride;
   for (int begin = 0; begin < size; begin += width) {
     const int end = std::min(begin + width, size);
     for (int k = begin; k < end; ++k) {
@@ -238,33 +242,48 @@ TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular
         return k;
       inverse[k] = 1 / pivot;
       double *unscaled = work + static_cast<std::ptrdiff_t>(k - begin) * stride;
-      for (int i = k + 1; i < size; ++i) {
+      for (int i = k + 1; i < end; ++i) {
         unscaled[i] = row(i)[k];
         const double scaled = unscaled[i] * inverse[k];
         row(i)[k] = scaled;
-        for (int j = k + 1; j < std::min(end, i + 1); ++j)
+        for (int j = k + 1; j <= i; ++j)
           row(i)[j] -= scaled * unscaled[j];
       }
     }
     if (end < begin + width)
       break;
+    const double *factors = inverse + begin, *u0 = w0 + begin, *u1 = w1 + begin, *u2 = w2 + begin;
     for (int i = end; i < size; ++i) {
-      double *target = row(i);
-      const double *factor = target + begin;
-      const double a = factor[0], b = factor[1], c = factor[2], d = factor[3];
+      double *target = row(i), *own = target + begin;
+      const double unscaled0 = own[0], a = unscaled0 * factors[0];
+      const double unscaled1 = own[1] - a * u0[1], b = unscaled1 * factors[1];
+      const double unscaled2 = own[2] - a * u0[2] - b * u1[2], c = unscaled2 * factors[2];
+      const double unscaled3 = own[3] - a * u0[3] - b * u1[3] - c * u2[3], d = unscaled3 * factors[3];
+      w0[i] = unscaled0;
+      w1[i] = unscaled1;
+      w2[i] = unscaled2;
+      w3[i] = unscaled3;
+      own[0] = a;
+      own[1] = b;
+      own[2] = c;
+      own[3] = d;
+      const auto eliminate = [=]<class T>(std::type_identity<T> /*lanes*/, int j) __attribute__((always_inline)) {
+        T rest, x0, x1, x2, x3;
+        std::memcpy(&rest, target + j, sizeof rest);
+        std::memcpy(&x0, w0 + j, sizeof x0);
+        std::memcpy(&x1, w1 + j, sizeof x1);
+        std::memcpy(&x2, w2 + j, sizeof x2);
+        std::memcpy(&x3, w3 + j, sizeof x3);
+        rest -= (a * x0 + b * x1) + (c * x2 + d * x3);
+        std::memcpy(target + j, &rest, sizeof rest);
+      };
       int j = end;
-      for (; j <= i && j % panelLanes != 0; ++j)
-        target[j] -= (a * work[j] + b * work[stride + j]) + (c * work[2 * stride + j] + d * work[3 * stride + j]);
-      for (; j <= i; j += panelLanes) {
-        Lanes own, w0, w1, w2, w3;
-        load(own, target + j);
-        load(w0, work + j);
-        load(w1, work + stride + j);
-        load(w2, work + 2 * static_cast<std::ptrdiff_t>(stride) + j);
-        load(w3, work + 3 * static_cast<std::ptrdiff_t>(stride) + j);
-        own -= (a * w0 + b * w1) + (c * w2 + d * w3);
-        store(own, target + j);
+      if (j % panelLanes != 0) {
+        eliminate(std::type_identity<HalfLanes>{}, j);
+        j += width;
       }
+      for (; j <= i; j += panelLanes)
+        eliminate(std::type_identity<Lanes>{}, j);
     }
   }
   return -1;

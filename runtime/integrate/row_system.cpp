@@ -39,11 +39,16 @@ int trailingZeros(const double *x, int count) {
   return count - k;
 }
 
+// Several maxima: one would be waited for.
 double largestOf(const double *x, int count) {
-  double largest = 0;
-  for (int k = 0; k < count; ++k)
-    largest = std::max(largest, std::abs(x[k]));
-  return largest;
+  double parts[chunk] = {};
+  int k = 0;
+  for (; k + chunk <= count; k += chunk)
+    for (int j = 0; j < chunk; ++j)
+      parts[j] = std::max(parts[j], std::abs(x[k + j]));
+  for (; k < count; ++k)
+    parts[0] = std::max(parts[0], std::abs(x[k]));
+  return *std::max_element(parts, parts + chunk);
 }
 
 bool areClose(const double *x, const double *y, int count, double accepted) {
