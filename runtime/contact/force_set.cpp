@@ -87,6 +87,27 @@ bool ForceSet::singular(const ContactProblem &problem) {
   return singular_;
 }
 
+// Forces λ = E x with A x = 0 are those by which shares differ: they accelerate no active row, and perhaps none of the others.
+bool ForceSet::sharesMove(const ContactProblem &problem) {
+  constexpr double dependent = 1e-9, visible = 1e-9;
+  view(problem);
+  const int k = activeCount(), n = rows_.normalCount, m = rows_.tangentCount;
+  equations_.assemble(rows_, matrix_);
+  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
+  factor.setThreshold(dependent);
+  factor.compute(matrix_.map().transpose());
+  Eigen::MatrixXd kernel = Eigen::MatrixXd::Identity(k, k).rightCols(k - factor.rank());
+  kernel.applyOnTheLeft(factor.householderQ());
+  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(n + m, kernel.cols());
+  for (int c = 0; c < k; ++c)
+    shares.row(equations_.active()[c]) = kernel.row(c);
+  for (int j = 0; j < m; ++j)
+    if (const int owner = rows_.owner[j]; owner >= 0 && equations_.position(n + j) < 0)
+      shares.row(n + j) = equations_.slipFactor(rows_, j) * shares.row(owner);
+  const auto delassus = rows_.delassus->map();
+  return kernel.cols() > 0 && (delassus * shares).cwiseAbs().maxCoeff() > visible * delassus.cwiseAbs().maxCoeff();
+}
+
 bool ForceSet::solveRegular(const ContactProblem &problem) {
   view(problem);
   equations_.assemble(rows_, factor_.matrix());

@@ -35,6 +35,9 @@ public:
   // The last solveLeastNorm in this mode has found forces within this tolerance.
   [[nodiscard]] bool hasLeastNorm(double tolerance) const { return leastNormTolerance_ <= tolerance; }
 
+  // Whether the motion depends on the share of the load that redundant rows have: friction on sliding contacts goes with it.
+  [[nodiscard]] bool sharesMove(const ContactProblem &problem);
+
   // The unique force; false where the matrix is singular. Results in forces(), accelerations().
   bool solveRegular(const ContactProblem &problem);
   // The matrix of the last solveRegular.

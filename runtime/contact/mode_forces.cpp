@@ -126,6 +126,7 @@ bool ModeForces::evaluate(const ContactProblem &problem) {
 std::span<const double> ModeForces::forces() const { return work_->set->forces(); }
 std::span<const double> ModeForces::accelerations() const { return work_->set->accelerations(); }
 bool ModeForces::redundant() const { return work_->redundant; }
+bool ModeForces::sharesMove() const { return work_->redundant && work_->set->sharesMove(*work_->problem); }
 std::span<const ModeMargin> ModeForces::margins() const { return work_->margins; }
 std::span<const double> ModeForces::marginValues() const {
   Workspace &w = *work_;

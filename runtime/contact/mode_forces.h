@@ -51,6 +51,9 @@ public:
   // is taken from it (exchanged with a set that knows nothing).
   bool start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found = nullptr);
 
+  // Whether the motion depends on how redundant rows share their load (theory.md section 6), at the last evaluation's problem.
+  [[nodiscard]] bool sharesMove() const;
+
   // λ and w at another state of the same mode: only D, φ, μ, bound of `problem` may differ from `start`. Allocates nothing. False: the
   // matrix has become singular (of a mode that is not redundant), or an entry is not finite.
   bool evaluate(const ContactProblem &problem);

@@ -75,8 +75,17 @@ public:
   // dt/dtau of the last evaluation.
   [[nodiscard]] double timeSpeed() const { return tauRate_ > 0 ? 1 / tauRate_ : 1; }
 
-  // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point.
+  // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point; but not how redundant contacts come to share their load in another
+  // way (see sharesMove).
   bool jacobian(double time, const double *state, double *matrix);
+
+  // The accelerations depend on how redundant contacts share their load, as where some of them slide. After an evaluation.
+  [[nodiscard]] bool sharesMove() {
+    if (rows_.count() == 0)
+      return false;
+    complete();
+    return forces_.sharesMove();
+  }
 
   // The accelerations depend on nothing that changes in the mode, and coordinates change as their velocities.
   [[nodiscard]] bool isUniform() const { return at_.model().uniform_flight != 0 && rows_.count() == 0; }

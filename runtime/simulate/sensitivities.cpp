@@ -185,7 +185,10 @@ bool Sensitivities::sample(SmoothIntegrator &integrator, double begin, double le
   for (std::size_t k = 0; k < damped_.nodes().size(); ++k) {
     const double time = begin + damped_.nodes()[k] * length;
     integrator.interpolate(time, state_.data());
-    if (!dynamics_.evaluate(time, state_.data(), rate_.data()) || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
+    if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
+      return false;
+    isShareUnknown_ = dynamics_.sharesMove();
+    if (isShareUnknown_ || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
       return false;
     slopes_[k] = jacobian_.topLeftCorner(n_, n_);
     if (!inhomogeneity(time, state_.data(), slopes_[k], offsets_[k]))

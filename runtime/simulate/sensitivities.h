@@ -54,6 +54,9 @@ public:
   bool differentiate(const std::function<bool(double time, double *state, double *values)> &values, double time, const double *state,
                      int column, int count, double *derivative);
 
+  // The last step could not be differentiated because the motion depends on how redundant contacts share their load.
+  [[nodiscard]] bool isShareUnknown() const { return isShareUnknown_; }
+
   // Number of (q, v, z).
   [[nodiscard]] int size() const { return n_; }
   [[nodiscard]] int columnCount() const { return static_cast<int>(columns_.size()); }
@@ -103,7 +106,8 @@ private:
   std::vector<double> refinement_;  // of each column's differences of a map
   LinearCollocation gauss_, damped_;
   Eigen::MatrixXd largest_, seen_;  // n × columns: |S| up to now; with that of the piece
-  double piece_ = 0;                // length of the next one that its error suggests; 0: none
+  bool isShareUnknown_ = false;
+  double piece_ = 0;  // length of the next one that its error suggests; 0: none
   // workspaces of addStep: A and b at the nodes, the Jacobian with τ, S at the end by either method
   std::vector<Eigen::MatrixXd> slopes_, offsets_;
   Eigen::MatrixXd jacobian_, undamped_, next_;

@@ -304,7 +304,9 @@ tf_status Simulation::Implementation::commit() {
   if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     observeInvariants(false);
   if (!differentiated)
-    return failSensitivities("the step that ends");
+    return failSensitivities(sensitivities_->isShareUnknown()
+                                 ? "a motion that depends on how redundant contacts share their load, some of which slide,"
+                                 : "the step that ends");
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 

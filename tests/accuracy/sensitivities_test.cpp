@@ -324,6 +324,40 @@ INSTANTIATE_TEST_SUITE_P(Landing, RunDifferences,
 
 INSTANTIATE_TEST_SUITE_P(Constrained, RunDifferences, testing::Values(Case{kPendulum, 2, "angle", 1.2}, Case{kPendulum, 2, "L", 1}));
 
+// A plate on four feet slides and stops. Which foot carries how much does not matter while it does not spin; where it does, the loads
+// decide on the moment of friction.
+TEST(Sensitivities, OfASlideOnRedundantContactsNeedLoadsThatDoNotMatter) {
+  const std::string file = sourceFile("plate_on_four_feet.tf", R"(
+model Plate
+  coordinate Real p[3](start = {0, 0, 0.1}, der(start = {2, 0.3, 0}));
+  coordinate Rotation Q;
+  parameter Real mu = 0.25;
+  Real corner[4, 3] = {Q*{0.2, 0.15, -0.1}, Q*{-0.2, 0.15, -0.1}, Q*{-0.2, -0.15, -0.1}, Q*{0.2, -0.15, -0.1}};
+  Real w[3] = Q*Q.w;
+  body plate(mass = 3, position = p, orientation = Q, inertia = diagonal({0.03, 0.05, 0.07}));
+  gravity g(acceleration = {0, 0, -10});
+  contact foot[4](gap = {p[3] + corner[k, 3] for k in 1:4}, each friction = mu,
+    slip = {{der(p[1]) + w[2]*corner[k, 3] - w[3]*corner[k, 2], der(p[2]) + w[3]*corner[k, 1] - w[1]*corner[k, 3]} for k in 1:4});
+end Plate;
+)");
+  CompiledModel straight(file);
+  differentiateBy(straight, {"mu"});
+  straight.tolerance(1e-8).run(0.5);
+  const double speed = std::hypot(2, 0.3);
+  EXPECT_NEAR(sensitivity(straight, "p[1]", 0), -0.5 * 10 * 0.5 * 0.5 * 2 / speed, 1e-7);
+  EXPECT_NEAR(sensitivity(straight, "der(p[2])", 0), -10 * 0.5 * 0.3 / speed, 1e-7);
+  straight.advance(2);
+  EXPECT_NEAR(sensitivity(straight, "p[1]", 0), -speed * 2 / (2 * 10 * 0.25 * 0.25), 1e-6);
+  CompiledModel spinning(file, {{"Q.w[3]", 6}});
+  differentiateBy(spinning, {"mu"});
+  try {
+    spinning.run(0.5);
+    FAIL() << "no error";
+  } catch (const std::runtime_error &error) {
+    EXPECT_NE(std::string(error.what()).find("share their load"), std::string::npos) << error.what();
+  }
+}
+
 // With restitution the box does not stay: with more friction it leaves the floor with another velocity than with less.
 TEST(Sensitivities, OfAnImpactWithAKinkAreRefused) {
   CompiledModel model(fileOf(kLanding), {{"e", 0.2}});
