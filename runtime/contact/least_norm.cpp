@@ -13,6 +13,9 @@ namespace {
 
 // A constraint depends on the active ones where its part outside their span is shorter, relative to unit length.
 constexpr double dependence = 1e-10;
+// Fewer variables are not worth looking for equal ones.
+constexpr int fewest = 12;
+constexpr double goldenRatio = 1.618033988749895;
 
 }  // namespace
 
@@ -25,6 +28,12 @@ void LeastNorm::resize(int variables, int equations, int inequalities) {
   triangle_.resize(variables, variables);
   // One column more than there can be active constraints: `project` takes the next one.
   reflections_.resize(variables, variables + 1);
+  separateVariables();
+  set_.resize(variables);
+  mark_.resize(variables);
+  setPoint_.resize(variables);
+  sample_.reserve(variables);
+  root_.reserve(variables);
   scale_.resize(variables + 1);
   cross_.resize(variables + 1);
   bounds_.resize(constraints_);
@@ -46,6 +55,66 @@ double LeastNorm::contradiction() const {
   return worst;
 }
 
+// By the products of their entries with numbers of no regularity.
+void LeastNorm::mergeVariables() {
+  separateVariables();
+  if (variables_ < fewest)
+    return;
+  std::fill(mark_.begin(), mark_.end(), 0.0);
+  double factor = 1;
+  for (const int constraint : active_) {
+    const double *normal = normals_.column(constraint);
+    for (int i = 0; i < variables_; ++i)
+      mark_[i] += factor * normal[i];
+    factor = std::fmod(factor + goldenRatio, 1.0) + 1;
+  }
+  sample_.clear();
+  root_.clear();
+  for (int i = 0; i < variables_; ++i) {
+    const auto found = std::find_if(sample_.begin(), sample_.end(), [=, this](int j) { return mark_[i] == mark_[j] && areEqual(i, j); });
+    set_[i] = static_cast<int>(found - sample_.begin());
+    if (found == sample_.end()) {
+      sample_.push_back(i);
+      root_.push_back(0);
+    }
+    root_[set_[i]] += 1;
+  }
+  for (double &root : root_)
+    root = std::sqrt(root);
+  rows_ = static_cast<int>(sample_.size());
+  isMerged_ = rows_ < variables_;
+}
+
+void LeastNorm::separateVariables() {
+  isMerged_ = false;
+  rows_ = variables_;
+}
+
+// The reflections of the active constraints again, of all variables: constraints to come may tell them apart.
+void LeastNorm::tellApart() {
+  if (!isMerged_)
+    return;
+  separateVariables();
+  reflectActive(0);
+}
+
+bool LeastNorm::areEqual(int i, int j) const {
+  return std::all_of(active_.begin(), active_.end(), [=, this](int constraint) {
+    const double *normal = normals_.column(constraint);
+    return normal[i] == normal[j];
+  });
+}
+
+// The normal of the active constraint k into its column.
+void LeastNorm::loadReflection(int k) {
+  const double *normal = normals_.column(active_[k]);
+  double *column = reflection(k);
+  if (!isMerged_)
+    std::copy_n(normal, variables_, column);
+  for (int s = 0; isMerged_ && s < rows_; ++s)
+    column[s] = normal[sample_[s]] * root_[s];
+}
+
 void LeastNorm::formBasis() {
   if (!isReflected_)
     return;
@@ -54,17 +123,17 @@ void LeastNorm::formBasis() {
   for (int j = 0; j < variables_; ++j) {
     std::fill_n(basis_.column(j), variables_, 0.0);
     basis_(j, j) = 1;
-    applyReflections(reflections_.data(), variables_, q, scale_.data(), cross_.data(), basis_.column(j));
+    applyReflections(reflections_.data(), rows_, q, scale_.data(), cross_.data(), basis_.column(j));
   }
 }
 
 double LeastNorm::project(const double *normal) {
   const int q = static_cast<int>(active_.size());
   if (isReflected_) {
-    double *column = reflections_.column(q);
+    double *column = reflection(q);
     std::copy_n(normal, variables_, column);
     diagonal_ = 0;
-    const bool independent = reflectColumn(reflections_.data(), variables_, q, dependence, scale_.data(), cross_.data(), diagonal_);
+    const bool independent = reflectColumn(reflections_.data(), rows_, q, dependence, scale_.data(), cross_.data(), diagonal_);
     std::copy_n(column, q, d_.begin());
     return independent ? std::abs(diagonal_) : 0;
   }
@@ -124,7 +193,7 @@ void LeastNorm::moveAlong(double step) {
   if (isReflected_) {
     std::fill(z_.begin(), z_.end(), 0.0);
     z_[q] = step * diagonal_;
-    applyReflections(reflections_.data(), variables_, q + 1, scale_.data(), cross_.data(), z_.data());
+    applyReflections(reflections_.data(), rows_, q + 1, scale_.data(), cross_.data(), z_.data());
     for (int i = 0; i < variables_; ++i)
       x_[i] += z_[i];
     return;
@@ -205,10 +274,10 @@ bool LeastNorm::reflectActive(double accepted) {
   for (int begin = 0; begin < q; begin += reflectionWidth) {
     const int end = std::min(begin + reflectionWidth, q);
     for (int k = begin; k < end; ++k)
-      std::copy_n(normals_.column(active_[k]), variables_, reflections_.column(k));
+      loadReflection(k);
     const bool isPanel = end == begin + reflectionWidth;
     if (isPanel)
-      reflectColumns(reflections_.data(), variables_, begin, scale_.data(), cross_.data());
+      reflectColumns(reflections_.data(), rows_, begin, scale_.data(), cross_.data());
     for (int k = begin; k < end; ++k)
       if (!reflect(k, accepted, isPanel ? begin : 0))
         return false;
@@ -219,9 +288,9 @@ bool LeastNorm::reflectActive(double accepted) {
 // The normal in column k of reflections_, to which the first `from` reflections have been applied, becomes column k of R; false where it
 // depends on those before.
 bool LeastNorm::reflect(int k, double accepted, int from) {
-  if (!reflectColumn(reflections_.data(), variables_, k, accepted, scale_.data(), cross_.data(), triangle_(k, k), from))
+  if (!reflectColumn(reflections_.data(), rows_, k, accepted, scale_.data(), cross_.data(), triangle_(k, k), from))
     return false;
-  std::copy_n(reflections_.column(k), k, triangle_.column(k));
+  std::copy_n(reflection(k), k, triangle_.column(k));
   return true;
 }
 
@@ -241,6 +310,7 @@ void LeastNorm::solveReflected() {
 
 // The independent equations become active.
 void LeastNorm::reflectEquations() {
+  separateVariables();
   active_.clear();
   dependent_ = false;
   for (int c = 0; c < equations_; ++c) {
@@ -249,7 +319,7 @@ void LeastNorm::reflectEquations() {
       dependent_ = true;
       break;
     }
-    std::copy_n(normals_.column(c), variables_, reflections_.column(q));
+    std::copy_n(normals_.column(c), variables_, reflection(q));
     if (reflect(q, dependence, 0))
       active_.push_back(c);
     else
@@ -264,6 +334,7 @@ LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {
 }
 
 LeastNorm::Status LeastNorm::solveAgain(double tolerance, double equationTolerance) {
+  tellApart();
   active_.resize(independent_);
   solveReflected();
   if (contradiction() > equationTolerance)
@@ -291,6 +362,7 @@ LeastNorm::Status LeastNorm::solveAgain(double tolerance, double equationToleran
 }
 
 bool LeastNorm::solveActive() {
+  mergeVariables();
   // Kept order: the pivots are the same functions of the data as long as the active set is.
   if (!reflectActive(dependence * 1e-3))
     return false;
@@ -302,9 +374,17 @@ bool LeastNorm::solveActive() {
 void LeastNorm::fromActive(double *point) const {
   const int q = static_cast<int>(active_.size());
   std::fill_n(point, variables_, 0.0);
+  if (isMerged_) {
+    std::fill(setPoint_.begin(), setPoint_.end(), 0.0);
+    std::copy_n(d_.begin(), q, setPoint_.begin());
+    applyReflections(reflections_.data(), rows_, q, scale_.data(), cross_.data(), setPoint_.data());
+    for (int i = 0; i < variables_; ++i)
+      point[i] = setPoint_[set_[i]] / root_[set_[i]];
+    return;
+  }
   if (isReflected_) {
     std::copy_n(d_.begin(), q, point);
-    applyReflections(reflections_.data(), variables_, q, scale_.data(), cross_.data(), point);
+    applyReflections(reflections_.data(), rows_, q, scale_.data(), cross_.data(), point);
     return;
   }
   for (int j = 0; j < q; ++j)
@@ -329,6 +409,7 @@ void LeastNorm::pointOf(const double *bounds, double *point) {
 }
 
 LeastNorm::Status LeastNorm::activate(int constraint) {
+  tellApart();
   double multiplier = 0;
   while (true) {
     const double length = project(normals_.column(constraint));
@@ -349,6 +430,7 @@ LeastNorm::Status LeastNorm::activate(int constraint) {
 }
 
 void LeastNorm::release(int constraint) {
+  tellApart();
   const auto found = std::find(active_.begin(), active_.end(), constraint);
   assert(found != active_.end() && constraint >= equations_);
   removeAt(static_cast<int>(found - active_.begin()));

@@ -6,6 +6,7 @@
 
 #include "runtime/contact/dense.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -47,6 +48,12 @@ public:
   [[nodiscard]] double contradiction() const;
 
 private:
+  void mergeVariables();
+  void separateVariables();
+  void tellApart();
+  [[nodiscard]] bool areEqual(int i, int j) const;
+  [[nodiscard]] double *reflection(int k) { return reflections_.data() + static_cast<std::ptrdiff_t>(k) * rows_; }
+  void loadReflection(int k);
   void formBasis();
   bool reflectActive(double accepted);
   bool reflect(int k, double accepted, int from);
@@ -67,6 +74,13 @@ private:
   std::vector<double> bounds_, origin_, x_, d_, r_, z_, multipliers_;
   // Since the last solve or solveActive: J = H_0 H_1 … (dense_kernels.h); J itself is made where a constraint is to be removed.
   DenseMatrix reflections_;
+  int rows_ = 0;  // of reflections_
+  // Variables that all active constraints have the same entries for have the same values: since solveActive, reflections are made of one
+  // row for each set of them, √count times theirs.
+  bool isMerged_ = false;
+  std::vector<int> set_, sample_;         // of variables; of sets: the first variable
+  std::vector<double> mark_, root_;       // of variables: a product with their entries; of sets
+  mutable std::vector<double> setPoint_;  // workspace
   std::vector<double> scale_, cross_;
   double diagonal_ = 0;          // of R, of the constraint projected last
   std::size_t independent_ = 0;  // equations

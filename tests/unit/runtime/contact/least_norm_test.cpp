@@ -76,6 +76,60 @@ TEST(LeastNorm, CrossingSwapsTheActiveInequalityOrEmptiesTheSet) {
   EXPECT_EQ(problem.active(), std::vector<int>{other});
 }
 
+// Variables that no active constraint tells apart have equal values; a constraint that becomes active tells them apart.
+TEST(LeastNorm, EqualVariablesShareUntilAConstraintTellsThemApart) {
+  constexpr int variables = 20, sets = 4, equations = 3;
+  LeastNorm problem;
+  problem.resize(variables, equations, 1);
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> uniform(-0.3, 0.3);
+  Eigen::MatrixXd normals(variables, equations + 1);
+  Eigen::VectorXd bounds(equations + 1);
+  normals.setZero();
+  for (int c = 0; c < equations; ++c) {
+    for (int i = 0; i < sets; ++i)
+      normals(i, c) = uniform(random);
+    for (int i = sets; i < variables; ++i)
+      normals(i, c) = normals(i % sets, c);
+    bounds[c] = uniform(random);
+  }
+  normals(5, equations) = 1;
+  bounds[equations] = -100;
+  const auto load = [&] {
+    for (int c = 0; c <= equations; ++c) {
+      std::copy_n(normals.col(c).data(), variables, problem.normal(c));
+      problem.bound(c) = bounds[c];
+    }
+  };
+  const auto expectLeast = [&](int count) {
+    const Eigen::MatrixXd active = normals.leftCols(count);
+    const Eigen::VectorXd multipliers = (active.transpose() * active).ldlt().solve(bounds.head(count)), point = active * multipliers;
+    for (int i = 0; i < variables; ++i)
+      EXPECT_NEAR(problem.point()[i], point[i], 1e-13) << i;
+    for (int k = 0; k < count; ++k)
+      EXPECT_NEAR(problem.multipliers()[k], multipliers[k], 1e-12) << k;
+  };
+  load();
+  ASSERT_EQ(problem.solve(1e-12, 1e-12), LeastNorm::Status::Solved);
+  load();
+  ASSERT_TRUE(problem.solveActive());
+  expectLeast(equations);
+  bounds[equations] = problem.point()[5];
+  load();
+  ASSERT_EQ(problem.activate(equations), LeastNorm::Status::Solved);
+  bounds[equations] += 0.1;
+  load();
+  ASSERT_TRUE(problem.solveActive());
+  expectLeast(equations + 1);
+  std::vector<double> point(variables);
+  problem.pointOf(bounds.data(), point.data());
+  for (int i = 0; i < variables; ++i)
+    EXPECT_NEAR(point[i], problem.point()[i], 1e-14);
+  problem.release(equations);
+  ASSERT_TRUE(problem.solveActive());
+  expectLeast(equations);
+}
+
 // Optimality (Karush, Kuhn, Tucker) is sufficient, as the problem is strictly convex.
 TEST(LeastNorm, RandomPolyhedraAreSolvedToOptimality) {
   std::mt19937 random(21);
