@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include <cstddef>
 #include <random>
 #include <vector>
 
@@ -36,6 +37,7 @@ inline SpatialBody spatialBody(std::mt19937 &generator, int contacts) {
   std::uniform_real_distribution<double> uniform(-1, 1);
   const Eigen::Matrix3d inertia = Eigen::Vector3d(0.3 + 0.2 * uniform(generator), 0.5 + 0.2 * uniform(generator), 0.6).asDiagonal();
   std::vector<Eigen::Vector3d> points;
+  points.reserve(static_cast<std::size_t>(contacts));
   for (int i = 0; i < contacts; ++i)
     points.emplace_back(uniform(generator), uniform(generator), -0.8 + 0.2 * uniform(generator));
   return spatialBody(1, inertia, points);
