@@ -1,5 +1,7 @@
 #include "runtime/contact/conic_forces.h"
 
+#include "runtime/contact/null_space.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -50,10 +52,7 @@ bool ConicForces::prepare(double tolerance) {
   }
   factor_.setThreshold(singular);
   factor_.compute(matrix_.transpose());
-  const Eigen::Index rank = factor_.rank();
-  kernel_.setZero(count, count - rank);
-  kernel_.bottomRows(count - rank).setIdentity();
-  kernel_.applyOnTheLeft(factor_.householderQ());
+  findNullSpace(factor_, kernel_);
   kernelRows_ = kernel_.transpose();
   solve(rhs_, free_);
   scale_ = free_.lpNorm<Eigen::Infinity>();

@@ -1,6 +1,7 @@
 #include "runtime/contact/force_set.h"
 
 #include "runtime/contact/dense_kernels.h"
+#include "runtime/contact/null_space.h"
 
 #include <algorithm>
 #include <cmath>
@@ -96,8 +97,8 @@ bool ForceSet::sharesMove(const ContactProblem &problem) {
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
   factor.setThreshold(dependent);
   factor.compute(matrix_.map().transpose());
-  Eigen::MatrixXd kernel = Eigen::MatrixXd::Identity(k, k).rightCols(k - factor.rank());
-  kernel.applyOnTheLeft(factor.householderQ());
+  Eigen::MatrixXd kernel;
+  findNullSpace(factor, kernel);
   Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(n + m, kernel.cols());
   for (int c = 0; c < k; ++c)
     shares.row(equations_.active()[c]) = kernel.row(c);

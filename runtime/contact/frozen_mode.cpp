@@ -80,6 +80,38 @@ void FrozenMode::turnBack(const FrozenProblem &problem, std::vector<double> &for
   }
 }
 
+void FrozenMode::ActiveFactor::factor() {
+  matrix = regular.matrix().map();
+  const double largest = matrix.size() > 0 ? std::max(matrix.diagonal().maxCoeff(), 0.0) : 0.0;
+  isSingular = matrix.size() > 0 && !regular.factor(singular * largest);
+  if (!isSingular)
+    return;
+  decomposition.setThreshold(singular);
+  decomposition.compute(matrix);
+}
+
+void FrozenMode::ActiveFactor::solve(Eigen::VectorXd &x) const {
+  if (isSingular)
+    x = decomposition.solve(x).eval();
+  else if (x.size() > 0)
+    regular.solve(x.data());
+}
+
+void FrozenMode::ActiveFactor::solveNear(const Eigen::VectorXd &reference, Eigen::VectorXd &x) const {
+  if (!isSingular)
+    return solve(x);
+  x -= matrix * reference;
+  solve(x);
+  x += reference;
+}
+
+Eigen::VectorXd FrozenMode::nearbyForces(const ModeEquations &equations) const {
+  Eigen::VectorXd forces(equations.activeCount());
+  for (int k = 0; k < equations.activeCount(); ++k)
+    forces[k] = nearby_[equations.active()[k]];
+  return forces;
+}
+
 // Of friction on the pairs that slip: v_t/‖v_t‖ continued through zero along the reference direction.
 void FrozenMode::turnDirections(const FrozenProblem &problem, const std::vector<double> &velocity, double rest) {
   const int n = problem.normalCount;
@@ -122,25 +154,12 @@ void FrozenMode::pose(const FrozenProblem &problem) {
   }
   const ContactRowData rows = rowsOf(problem, problem.delassus, friction_);
   unturned_.setMode(rows, active_.data(), slip_.data());
-  unturned_.assemble(rows, factor_.matrix());
+  unturned_.assemble(rows, factor_.regular.matrix());
+  factor_.factor();
   const int active = unturned_.activeCount();
-  double largest = 0;
-  for (int k = 0; k < active; ++k)
-    largest = std::max(largest, factor_.matrix()(k, k));
-  const Eigen::MatrixXd matrix = factor_.matrix().map();
-  isSingular_ = active > 0 && !factor_.factor(singular * largest);
-  reference_.setZero(active);
   own_.resize(active);
   unturned_.rightHandSide(rows, fixed_.data(), own_.data());
-  if (isSingular_) {
-    decomposition_.setThreshold(singular);
-    decomposition_.compute(matrix);
-    for (int k = 0; k < active; ++k)
-      reference_[k] = nearby_[unturned_.active()[k]];
-    own_ -= matrix * reference_;
-  }
-  solveUnturned(own_);
-  own_ += reference_;
+  factor_.solveNear(nearbyForces(unturned_), own_);
   response_.resize(active, 2 * static_cast<Eigen::Index>(pairs_.size()));
   Eigen::Index column = 0;
   for (SlippingPair &pair : pairs_) {
@@ -149,17 +168,10 @@ void FrozenMode::pose(const FrozenProblem &problem) {
       unknown_.resize(active);
       for (int k = 0; k < active; ++k)
         unknown_[k] = problem.friction[pair.row] * problem.delassus(unturned_.active()[k], row);
-      solveUnturned(unknown_);
+      factor_.solve(unknown_);
       response_.col(column++) = unknown_;
     }
   }
-}
-
-void FrozenMode::solveUnturned(Eigen::VectorXd &x) const {
-  if (isSingular_)
-    x = decomposition_.solve(x).eval();
-  else if (x.size() > 0)
-    factor_.solve(x.data());
 }
 
 // The normal forces of the pairs' owners, and with their friction all others. False: the pairs' own equations have no unique solution.
@@ -187,7 +199,7 @@ bool FrozenMode::solveByPairs() {
     const int row = pairs_[b].row;
     unknown_ += ownerForce_[b] * (current_[row] * response_.col(2 * b) + current_[row + 1] * response_.col(2 * b + 1));
   }
-  redundant_ = isSingular_;
+  redundant_ = factor_.isSingular;
   return true;
 }
 
@@ -209,26 +221,12 @@ void FrozenMode::poseTurned(const FrozenProblem &problem) {
 void FrozenMode::solveTurned(const FrozenProblem &problem) {
   poseTurned(problem);
   const ContactRowData rows = rowsOf(problem, turned_, turnedFriction_);
-  LuFactor factor;
-  equations_.assemble(rows, factor.matrix());
-  const int active = equations_.activeCount();
-  unknown_.resize(active);
+  equations_.assemble(rows, turnedFactor_.regular.matrix());
+  turnedFactor_.factor();
+  redundant_ = turnedFactor_.isSingular;
+  unknown_.resize(equations_.activeCount());
   equations_.rightHandSide(rows, fixed_.data(), unknown_.data());
-  double largest = 0;
-  for (int k = 0; k < active; ++k)
-    largest = std::max(largest, factor.matrix()(k, k));
-  const Eigen::MatrixXd matrix = factor.matrix().map();
-  redundant_ = active > 0 && !factor.factor(singular * largest);
-  if (redundant_) {
-    for (int k = 0; k < active; ++k)
-      reference_[k] = nearby_[equations_.active()[k]];
-    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;
-    decomposition.setThreshold(singular);
-    decomposition.compute(matrix);
-    unknown_ = reference_ + decomposition.solve(unknown_ - matrix * reference_).eval();
-  } else if (active > 0) {
-    factor.solve(unknown_.data());
-  }
+  turnedFactor_.solveNear(nearbyForces(equations_), unknown_);
   for (std::size_t k = 0; k < pairs_.size(); ++k)
     ownerForce_[k] = pairs_[k].unknown >= 0 ? unknown_[pairs_[k].unknown] : fixed_[pairs_[k].owner];
 }

@@ -49,6 +49,18 @@ public:
   bool center(const FrozenProblem &problem, std::vector<int> &leaving);
 
 private:
+  // A matrix that may be singular: fill regular.matrix(), then call `factor`.
+  struct ActiveFactor {
+    LuFactor regular;
+    Eigen::MatrixXd matrix;
+    bool isSingular = false;
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition;  // where it is
+
+    void factor();
+    // The solution, of several the least one, or that nearest to `reference`.
+    void solve(Eigen::VectorXd &x) const;
+    void solveNear(const Eigen::VectorXd &reference, Eigen::VectorXd &x) const;
+  };
   // A pair that slips, of the row j.
   struct SlippingPair {
     int row = 0, owner = 0;
@@ -58,10 +70,10 @@ private:
   void turnDirections(const FrozenProblem &problem, const std::vector<double> &velocity, double rest);
   [[nodiscard]] bool isPosed() const;
   void pose(const FrozenProblem &problem);
-  void solveUnturned(Eigen::VectorXd &x) const;
   bool solveByPairs();
   void poseTurned(const FrozenProblem &problem);
   void solveTurned(const FrozenProblem &problem);
+  [[nodiscard]] Eigen::VectorXd nearbyForces(const ModeEquations &equations) const;
   [[nodiscard]] ContactRowData rowsOf(const FrozenProblem &problem, const DenseMatrix &delassus, const std::vector<double> &friction) const;
   int poseLimits(const FrozenProblem &problem);
 
@@ -75,10 +87,8 @@ private:
   std::vector<int> posedSign_;
   std::vector<SlippingPair> pairs_;
   ModeEquations unturned_;
-  LuFactor factor_;
-  bool isSingular_ = false;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
-  Eigen::VectorXd unknown_, own_, reference_;
+  ActiveFactor factor_;
+  Eigen::VectorXd unknown_, own_;
   Eigen::MatrixXd response_;  // of pair k: columns 2 k and 2 k + 1
   LuFactor pairFactor_;
   std::vector<double> ownerForce_;  // of pairs
@@ -86,6 +96,7 @@ private:
   // The mode with it, in frames along the slips.
   DenseMatrix turned_;
   ModeEquations equations_;
+  ActiveFactor turnedFactor_;
   std::vector<double> turnedFriction_;
 
   std::vector<std::uint8_t> active_;

@@ -1,6 +1,7 @@
 #include "runtime/contact/least_norm.h"
 
 #include "runtime/contact/dense_kernels.h"
+#include "runtime/contact/irregular_numbers.h"
 
 #include <algorithm>
 #include <cassert>
@@ -15,7 +16,6 @@ namespace {
 constexpr double dependence = 1e-10;
 // Fewer variables are not worth looking for equal ones.
 constexpr int fewest = 12;
-constexpr double goldenRatio = 1.618033988749895;
 
 }  // namespace
 
@@ -61,12 +61,10 @@ void LeastNorm::mergeVariables() {
   if (variables_ < fewest)
     return;
   std::fill(mark_.begin(), mark_.end(), 0.0);
-  double factor = 1;
-  for (const int constraint : active_) {
-    const double *normal = normals_.column(constraint);
+  for (std::size_t k = 0; k < active_.size(); ++k) {
+    const double *normal = normals_.column(active_[k]), factor = irregularNumber(static_cast<int>(k));
     for (int i = 0; i < variables_; ++i)
       mark_[i] += factor * normal[i];
-    factor = std::fmod(factor + goldenRatio, 1.0) + 1;
   }
   sample_.clear();
   root_.clear();
@@ -109,9 +107,11 @@ bool LeastNorm::areEqual(int i, int j) const {
 void LeastNorm::loadReflection(int k) {
   const double *normal = normals_.column(active_[k]);
   double *column = reflection(k);
-  if (!isMerged_)
+  if (!isMerged_) {
     std::copy_n(normal, variables_, column);
-  for (int s = 0; isMerged_ && s < rows_; ++s)
+    return;
+  }
+  for (int s = 0; s < rows_; ++s)
     column[s] = normal[sample_[s]] * root_[s];
 }
 

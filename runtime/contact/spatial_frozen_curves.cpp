@@ -89,9 +89,10 @@ bool SpatialFrozenPhase::Workspace::linearise() {
     if (mode.tangent[j] == FrozenMode::Tangent::Slip && problem->partner[j] >= 0)
       turning.push_back(n + j);
   const auto count = static_cast<Eigen::Index>(turning.size());
-  if (!rate(zeroState, state))
+  Eigen::VectorXd firstRate;
+  if (!rate(zeroState, firstRate))
     return false;
-  integrator.start(zeroState, state);
+  integrator.start(zeroState, firstRate);
   forceByTurn.resize(n + m, count);
   turnByForce.resize(count, n + m);
   for (Eigen::Index k = 0; k < count; ++k) {
@@ -99,7 +100,7 @@ bool SpatialFrozenPhase::Workspace::linearise() {
     point[turning[k]] += increment;
     if (!mode.forces(*problem, point, stillSpeed, pointForce))
       return false;
-    forceByTurn.col(k) = (Eigen::Map<const Eigen::VectorXd>(pointForce.data(), n + m) - state.head(n + m)) / increment;
+    forceByTurn.col(k) = (Eigen::Map<const Eigen::VectorXd>(pointForce.data(), n + m) - firstRate.head(n + m)) / increment;
     turnByForce.row(k) = problem->delassus.map().row(turning[k]);
   }
   turnByTurn = turnByForce * forceByTurn;

@@ -1,6 +1,7 @@
 #include "runtime/integrate/row_system.h"
 
 #include "runtime/contact/dense_kernels.h"
+#include "runtime/contact/irregular_numbers.h"
 
 #include <algorithm>
 #include <cassert>
@@ -12,7 +13,6 @@ namespace {
 
 // Zeros are looked for in so many entries at once.
 constexpr int chunk = 8;
-constexpr double goldenRatio = 1.618033988749895;
 
 bool allZero(const double *x) {
   bool zero = true;
@@ -104,7 +104,7 @@ void RowSystem::prepareTwins() {
   first_.reserve(count());
   twinForce_.resize(count());
   while (static_cast<int>(marker_.size()) < nv_)
-    marker_.push_back(1 + std::fmod(goldenRatio * static_cast<double>(marker_.size()), 1.0));
+    marker_.push_back(irregularNumber(static_cast<int>(marker_.size())));
 }
 
 // Only rows are compared whose products with a vector of no regularity are equal, too. A pair that is missed costs time only.

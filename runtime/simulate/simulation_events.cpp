@@ -10,6 +10,12 @@
 
 namespace tf::runtime {
 
+// At the state before the event, where the contacts have just been selected.
+void Simulation::Implementation::readApproaches() {
+  for (const int i : selection_.approaching())
+    approaches_.push_back({i, -at_.gapRate[i]});
+}
+
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
   approaches_.clear();
@@ -18,9 +24,8 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
     ++statistics_.contact_solves;
     switch (selection.status) {
     case SelectionStatus::Impact:
-      for (const int i : selection_.approaching())
-        if (pass == 0)
-          approaches_.push_back({i, -at_.gapRate[i]});
+      if (pass == 0)
+        readApproaches();
       if (const tf_status status = freeze(transitions, -1); status != TF_OK)
         return status;
       continue;

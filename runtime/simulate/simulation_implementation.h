@@ -126,6 +126,7 @@ private:
   // simulation_events.cpp
   tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
   tf_status enterMode(const Selection &selection, std::vector<Transition> &transitions);
+  void readApproaches();
   tf_status freeze(std::vector<Transition> &transitions, int forced);
   double projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
