@@ -57,6 +57,7 @@ struct Content {
   Phase phase = Phase::Setup;
   std::vector<double> values;  // all variables at the current point
   bool valuesAreCurrent = false;
+  long long reportedPoints = 0;  // of the simulation, at the last event
 };
 
 }  // namespace
@@ -150,7 +151,7 @@ const std::vector<double> &currentValues(Content &content) {
   if (!content.valuesAreCurrent) {
     content.values.resize(static_cast<std::size_t>(content.instance.model().variable_count));
     content.simulation->values(content.values.data());
-    content.valuesAreCurrent = content.phase == Phase::Ready;
+    content.valuesAreCurrent = content.phase == Phase::Ready || content.inEvent;
   }
   return content.values;
 }
@@ -181,7 +182,10 @@ void connectEvents(Content &content) {
   content.simulation->onEvent = nullptr;
   content.simulation->onNote = nullptr;
   if (content.noteCallback != nullptr)
-    content.simulation->onNote = [&content](const tf_note &note) { content.noteCallback(content.noteData, &note); };
+    content.simulation->onNote = [&content](const tf_note &note) {
+      content.valuesAreCurrent = false;
+      content.noteCallback(content.noteData, &note);
+    };
   if (content.eventCallback == nullptr)
     return;
   content.simulation->onEvent = [&content](const tf_event &event) {
@@ -190,6 +194,11 @@ void connectEvents(Content &content) {
       ~InEvent() { content.inEvent = false; }
     } inEvent{content};
     content.inEvent = true;
+    // Events of many elements at one point.
+    if (const long long points = content.simulation->reportedPoints(); points != content.reportedPoints) {
+      content.reportedPoints = points;
+      content.valuesAreCurrent = false;
+    }
     content.eventCallback(content.eventData, &event);
   };
 }

@@ -547,6 +547,8 @@ void Simulation::valuesBeforeEvent(double *all) {
   std::copy(implementation_->beforeValues_.begin(), implementation_->beforeValues_.end(), all);
 }
 
+long long Simulation::reportedPoints() const { return implementation_->reportedPoints_; }
+
 const std::string &Simulation::errorText() const { return implementation_->error_; }
 
 const tf_statistics &Simulation::statistics() const { return implementation_->statistics(); }

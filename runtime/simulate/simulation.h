@@ -51,6 +51,8 @@ public:
   void sensitivityBeforeEvent(int column, double *all);
   // State just before the latest event, in the same order (--events both); called from onEvent only.
   void valuesBeforeEvent(double *all);
+  // Of points at which events have been reported: those reported with the same number are at one point.
+  [[nodiscard]] long long reportedPoints() const;
   [[nodiscard]] const std::string &errorText() const;
   [[nodiscard]] const tf_statistics &statistics() const;
 

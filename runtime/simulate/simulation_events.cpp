@@ -261,6 +261,7 @@ void Simulation::Implementation::beginEvent() {
 }
 
 void Simulation::Implementation::report(const std::vector<Transition> &transitions) {
+  ++reportedPoints_;
   for (const Transition &transition : transitions) {
     ++statistics_.events[transition.kind];
     if (owner_.onEvent) {

@@ -60,6 +60,7 @@ public:
   std::uint64_t inputRevision_ = 0;
   EventProgress progress_;
   SwitchProgress switchProgress_;
+  long long reportedPoints_ = 0;
   int lingeringSteps_ = 0;  // in a row, whose ends have slips of two components that the tolerance does not see
   std::string error_;
   tf_statistics statistics_ = {};
