@@ -11,6 +11,8 @@ namespace {
 constexpr int newtonLimit = 60, sweepLimit = 400, homotopySteps = 10;
 // Pivots below, relative to the largest, are those of redundant contacts: the step is the shortest one.
 constexpr double singularStep = 1e-11;
+// Without pivots below, relative to the largest entry, none are redundant.
+constexpr double regularStep = 1e-8;
 // Of followSmoothing: relative to the scale of forces, and of D.
 constexpr double lastSmoothing = 1e-14, smoothingReduction = 0.1;
 constexpr int smoothedLimit = 12;
@@ -207,16 +209,28 @@ double ConeFrictionSolver::size(const Eigen::VectorXd &force) const {
   return residual_.lpNorm<Eigen::Infinity>() / (magnitude_ + 1e-5 * force.lpNorm<Eigen::Infinity>());
 }
 
-// Semismooth Newton steps, shortened where the residual grows, down to rounding; the violation that is reached.
-double ConeFrictionSolver::improve(Eigen::VectorXd &force) {
+// −J⁻¹ F; where contacts are redundant the shortest one.
+Eigen::VectorXd ConeFrictionSolver::newtonStep() {
+  factor_.matrix().resize(static_cast<int>(jacobian_.rows()), static_cast<int>(jacobian_.cols()));
+  factor_.matrix().map() = jacobian_;
+  if (factor_.factor(regularStep * jacobian_.lpNorm<Eigen::Infinity>())) {
+    Eigen::VectorXd step = -residual_;
+    factor_.solve(step.data());
+    return step;
+  }
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> factor;
   factor.setThreshold(singularStep);
+  return -factor.compute(jacobian_).solve(residual_);
+}
+
+// Semismooth Newton steps, shortened where the residual grows, down to rounding; the violation that is reached.
+double ConeFrictionSolver::improve(Eigen::VectorXd &force) {
   residual(force, delassus_ * force + bias_, true);
   double violation = size(force), norm = residual_.norm();
   int stagnant = 0;
   for (int k = 0; k < newtonLimit && violation > 0; ++k) {
     ++iterations_;
-    const Eigen::VectorXd step = -factor.compute(jacobian_).solve(residual_);
+    const Eigen::VectorXd step = newtonStep();
     if (!step.allFinite())
       break;
     const Eigen::VectorXd from = force;

@@ -5,6 +5,7 @@
 #ifndef TF_RUNTIME_CONTACT_CONE_FRICTION_H
 #define TF_RUNTIME_CONTACT_CONE_FRICTION_H
 
+#include "runtime/contact/lu_factor.h"
 #include "runtime/contact/planar_friction.h"
 
 #include <Eigen/Dense>
@@ -55,6 +56,7 @@ private:
   void diskResidual(int j, const Eigen::VectorXd &force, const Eigen::VectorXd &acceleration, bool derivatives);
   [[nodiscard]] double limit(int j) const;
   [[nodiscard]] double size(const Eigen::VectorXd &force) const;
+  Eigen::VectorXd newtonStep();
   double improve(Eigen::VectorXd &force);
   void sweep(Eigen::VectorXd &force, int count);
   void setSmoothing(double smoothing);
@@ -69,6 +71,7 @@ private:
   Eigen::VectorXd bias_, residual_, best_;
   std::vector<double> upper_, friction_, offset_;
   std::vector<double> pressing_;   // n: the normal force that limits see, P_K(λ − w)
+  LuFactor factor_;                // of dF/dλ
   Eigen::MatrixXd pressingSlope_;  // its derivative by λ
   double magnitude_ = 0, tolerance_ = 0, bestViolation_ = 0;
   double frictionFactor_ = 1;  // of the homotopy
