@@ -97,6 +97,24 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
   return allFinite(matrix, n * n);
 }
 
+void ModeDynamics::turningDerivatives(double *rateByAngle, double *angleByState) {
+  const tf_model &model = at_.model();
+  const int n = size(), entries = n * slips_.count();
+  complete();
+  slips_.differentiateByVelocity();
+  std::fill_n(rateByAngle, entries, 0.0);
+  std::fill_n(angleByState, entries, 0.0);
+  std::vector<double> &forceChange = shifted_;
+  for (int p = 0; p < slips_.count(); ++p, rateByAngle += n, angleByState += n) {
+    const int across = rows_.normalCount() + slips_.row(p) + 1;
+    for (int i = 0; i < model.nv; ++i)
+      forceChange[i] = rows_.jacobian(across)[i] * rowForces()[across - 1];
+    response(forceChange.data(), nullptr, nullptr, nullptr, rateByAngle + model.nq);
+    for (int k = model.nq; k < model.nq + model.nv; ++k)
+      angleByState[k] = slips_.turning(p, k);
+  }
+}
+
 void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate,
                                      std::vector<double> &frictionRate, std::vector<double> &boundRate) {
   const tf_model &model = at_.model();

@@ -79,6 +79,10 @@ public:
   // way (see sharesMove).
   bool jacobian(double time, const double *state, double *matrix);
 
+  // What of it is stiff where slips of two components are slow: how friction turns with the velocities. It is rateByAngle angleByStateᵀ
+  // [n × turningPairCount() each, column-major], at the last evaluation's point.
+  void turningDerivatives(double *rateByAngle, double *angleByState);
+
   // The accelerations depend on how redundant contacts share their load, as where some of them slide. After an evaluation.
   [[nodiscard]] bool sharesMove() {
     if (rows_.count() == 0)
@@ -168,6 +172,7 @@ public:
   [[nodiscard]] bool hasTurningSlips() const { return !slips_.empty(); }
   [[nodiscard]] bool launches() const { return slips_.launches(); }
   [[nodiscard]] bool hasLaunched() const { return slips_.haveLaunched(); }
+  [[nodiscard]] int turningPairCount() const { return slips_.count(); }
   // Two numbers for each of them.
   [[nodiscard]] int turningSlipCount() const { return 2 * slips_.count(); }
   // At (time, state), which becomes the model's point.

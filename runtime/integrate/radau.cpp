@@ -9,16 +9,30 @@
 
 namespace tf::runtime {
 
-Radau::Radau(int size, int stages, Accuracy accuracy)
-    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), stage_(static_cast<std::size_t>(size) * stages),
-      rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size), pastStage_(stage_.size()), residual_(size * stages) {
-  assert(stages >= 1 && stages <= 4);
-  for (int i = 0; i < stages; ++i) {
-    const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, nodes_[i]));
-    coefficients_.insert(coefficients_.end(), row.begin(), row.end());
+namespace {
+
+// a_ij, row by row.
+std::vector<double> radauCoefficients(int stages) {
+  const std::vector<double> nodes = radauNodes(stages);
+  std::vector<double> coefficients;
+  for (const double node : nodes) {
+    const std::vector<double> row = interpolatoryWeights(nodes, integralMoments(stages, node));
+    coefficients.insert(coefficients.end(), row.begin(), row.end());
   }
-  // Error estimate h [γ f0 + Σ (b̂_i − b_i) F_i] of order h^(s+1) (Hairer, Wanner II, (IV.8.17)).
-  const double gamma = 1.0 / (stages * stages);
+  return coefficients;
+}
+
+// γ of the error estimate h [γ f0 + Σ (b̂_i − b_i) F_i] of order h^(s+1) (Hairer, Wanner II, (IV.8.17)).
+double errorCoefficient(int stages) { return 1.0 / (stages * stages); }
+
+}  // namespace
+
+Radau::Radau(int size, int stages, Accuracy accuracy)
+    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), coefficients_(radauCoefficients(stages)),
+      stage_(static_cast<std::size_t>(size) * stages), rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size),
+      pastStage_(stage_.size()), turning_(size, coefficients_), errorTurning_(size, {errorCoefficient(stages)}), residual_(size * stages) {
+  assert(stages >= 1 && stages <= 4);
+  const double gamma = errorCoefficient(stages);
   const std::vector<double> weights = interpolatoryWeights(nodes_, integralMoments(stages, 1, gamma));
   embedded_.push_back(gamma);
   equations_ = std::make_unique<StageEquations>(size, coefficients_);
@@ -77,7 +91,7 @@ bool Radau::predictTurning(ModeDynamics &dynamics, double t0, double h, const do
     }
     if (!good)
       break;
-    equations_->factorise(h);
+    factoriseEquations(h);
     correct(h, scale);
     turn = 0;
     for (int s = 0; s < stages_; ++s) {
@@ -189,11 +203,21 @@ bool Radau::factorise(ModeDynamics &dynamics, double t0, double h) {
 bool Radau::evaluateWithJacobian(ModeDynamics &dynamics, double t0, double h, int s) {
   const double time = t0 + nodes_[s] * h;
   pointOfStage(s);
-  if (!dynamics.evaluate(time, point_.data(), rate_.data() + s * n_) ||
-      !dynamics.jacobian(time, point_.data(), equations_->jacobian(s).data()))
+  if (!dynamics.evaluate(time, point_.data(), rate_.data() + s * n_))
     return false;
+  if (linearisation_ == Linearisation::Turning) {
+    dynamics.turningDerivatives(turning_.left(s).data(), turning_.right(s).data());
+    return true;
+  }
   ++jacobians;
-  return true;
+  return dynamics.jacobian(time, point_.data(), equations_->jacobian(s).data());
+}
+
+void Radau::factoriseEquations(double h) {
+  if (linearisation_ == Linearisation::Turning)
+    turning_.factorise(h);
+  else
+    equations_->factorise(h);
 }
 
 // Evaluates all stages, with the Jacobian of each.
@@ -201,7 +225,7 @@ bool Radau::factoriseStages(ModeDynamics &dynamics, double t0, double h) {
   for (int s = 0; s < stages_; ++s)
     if (!evaluateWithJacobian(dynamics, t0, h, s))
       return false;
-  equations_->factorise(h);
+  factoriseEquations(h);
   return true;
 }
 
@@ -214,7 +238,10 @@ double Radau::correct(double h, const double *scale) {
         sum += coefficients_[s * stages_ + j] * rate_[j * n_ + i];
       residual_[s * n_ + i] = h * sum - stage_[s * n_ + i];
     }
-  equations_->solve(residual_);
+  if (linearisation_ == Linearisation::Turning)
+    turning_.solve(residual_);
+  else
+    equations_->solve(residual_);
   double change = 0;
   for (int s = 0; s < stages_; ++s)
     for (int i = 0; i < n_; ++i) {
@@ -277,8 +304,11 @@ bool Radau::turnsBack(ModeDynamics &dynamics, double t0, double h) {
 // starts from zero: a matrix serves for more than one iteration only once it is that of the solution.
 Radau::Iteration Radau::turningNewton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy) {
   constexpr double fast = 0.02;
+  // What is not linearised contracts by the same factor in each iteration, each of which costs little.
+  const double slowest = linearisation_ == Linearisation::Turning ? 0.5 : 0.9;
+  const int most = linearisation_ == Linearisation::Turning ? 40 : 20;
   double previous = 0, contraction = 1;
-  for (int k = 0; k < 20; ++k) {
+  for (int k = 0; k < most; ++k) {
     ++iterations;
     if (!(contraction > fast ? factoriseStages(dynamics, t0, h) : evaluateStages(dynamics, t0, h)))
       return Iteration::Failed;
@@ -289,15 +319,31 @@ Radau::Iteration Radau::turningNewton(ModeDynamics &dynamics, double t0, double 
       contraction = change / previous;
     if (change * std::min(contraction, 1.0) <= accuracy || change <= 1e-15)
       return turnsBack(dynamics, t0, h) ? Iteration::Failed : Iteration::Converged;
-    if (k >= 5 && contraction > 0.9)
+    if (k >= 5 && contraction > slowest)
       return change <= 1e3 * accuracy && change <= 1e-13 ? Iteration::Converged : Iteration::Slow;
     previous = change;
   }
   return Iteration::Slow;
 }
 
+// All but the turn of friction is stiff in few models.
+Radau::Iteration Radau::solveTurning(ModeDynamics &dynamics, double t0, double h, const double *scale, const double *f0, double accuracy) {
+  turning_.setRank(dynamics.turningPairCount());
+  Iteration outcome = Iteration::Failed;
+  for (const Linearisation linearisation : {Linearisation::Turning, Linearisation::Full}) {
+    linearisation_ = linearisation;
+    predictAlongTangent(h, f0);
+    if (predictTurning(dynamics, t0, h, scale))
+      outcome = turningNewton(dynamics, t0, h, scale, accuracy);
+    if (outcome == Iteration::Converged)
+      break;
+  }
+  return outcome;
+}
+
 bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale, double accuracy) {
   h_ = h;
+  linearisation_ = Linearisation::None;
   std::copy_n(y0, n_, begin_.begin());
   predict(h, f0);
   Iteration outcome = Iteration::Slow;
@@ -305,13 +351,15 @@ bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const dou
   if (!stiff_ && !turns)
     outcome = fixedPoint(dynamics, t0, h, scale, accuracy);
   if (outcome != Iteration::Converged) {
-    predictAlongTangent(h, f0);
-    if (turns && !predictTurning(dynamics, t0, h, scale))
-      return false;
-    outcome = turns ? turningNewton(dynamics, t0, h, scale, accuracy) : newton(dynamics, t0, h, scale, accuracy);
+    outcome = turns ? solveTurning(dynamics, t0, h, scale, f0, accuracy) : Iteration::Failed;
+    if (!turns) {
+      linearisation_ = Linearisation::Full;
+      predictAlongTangent(h, f0);
+      outcome = newton(dynamics, t0, h, scale, accuracy);
+    }
     if (outcome != Iteration::Converged)
       return false;
-    stiff_ = true;
+    stiff_ = stiff_ || linearisation_ == Linearisation::Full;
   }
   const double *start = turns && dynamics.slipsStart() ? startRate(dynamics, t0, f0) : f0;
   for (int i = 0; i < n_; ++i)
@@ -330,15 +378,26 @@ void Radau::estimateError(const double *f0, double h) {
       sum += embedded_[k + 1] * rate_[k * n_ + i];
     error_[i] = h * sum;
   }
-  // Damps the stiff components, whose errors the explicit f0 exaggerates.
-  if (stiff_) {
+  if (linearisation_ != Linearisation::None)
+    dampError(h);
+}
+
+// The stiff components, whose errors the explicit f0 exaggerates.
+void Radau::dampError(double h) {
+  Eigen::Map<Eigen::VectorXd> error(error_.data(), n_);
+  errorResidual_ = error;
+  if (linearisation_ == Linearisation::Turning) {
+    errorTurning_.setRank(static_cast<int>(turning_.left(stages_ - 1).cols()));
+    errorTurning_.left(0) = turning_.left(stages_ - 1);
+    errorTurning_.right(0) = turning_.right(stages_ - 1);
+    errorTurning_.factorise(h);
+    errorTurning_.solve(errorResidual_);
+  } else {
     errorEquations_->jacobian(0) = equations_->jacobian(stages_ - 1);
     errorEquations_->factorise(h);
-    Eigen::Map<Eigen::VectorXd> error(error_.data(), n_);
-    errorResidual_ = error;
     errorEquations_->solve(errorResidual_);
-    error = errorResidual_;
   }
+  error = errorResidual_;
 }
 
 void Radau::interpolate(double theta, double *y) const {

@@ -1,9 +1,11 @@
 // Radau IIA collocation with 1 to 4 stages, order 2s − 1 (Hairer, Wanner, Solving Ordinary Differential Equations II, IV.5, IV.8). The
-// stage equations are solved by fixed-point iteration while it contracts fast, else by simplified Newton with the compiler's Jacobian; by
-// Newton with the Jacobians of all stages where slow slips of two components grow, whose stiffness is that of the reciprocal slip.
+// stage equations are solved by fixed-point iteration while it contracts fast, else by simplified Newton with the compiler's Jacobian.
+// Where slow slips of two components grow, whose stiffness is that of the reciprocal slip, Newton's method has the Jacobians of all stages:
+// of the turn of friction alone, which is of low rank, and of all else where that does not contract fast.
 #pragma once
 
 #include "runtime/integrate/element_method.h"
+#include "runtime/integrate/low_rank_stages.h"
 #include "runtime/integrate/stage_equations.h"
 
 #include <Eigen/Dense>
@@ -35,9 +37,12 @@ public:
 
 private:
   enum class Iteration : std::uint8_t { Converged, Slow, Failed };
+  // What the last element's linear equations have of the Jacobian.
+  enum class Linearisation : std::uint8_t { None, Turning, Full };
 
   void predict(double h, const double *f0);
   void predictAlongTangent(double h, const double *f0);
+  Iteration solveTurning(ModeDynamics &dynamics, double t0, double h, const double *scale, const double *f0, double accuracy);
   bool predictTurning(ModeDynamics &dynamics, double t0, double h, const double *scale);
   bool continueSlips(ModeDynamics &dynamics, double t0, double h, const double *scale, int first, int end);
   void pointOfStage(int s);
@@ -52,7 +57,9 @@ private:
   bool factorise(ModeDynamics &dynamics, double t0, double h);
   bool evaluateWithJacobian(ModeDynamics &dynamics, double t0, double h, int s);
   bool factoriseStages(ModeDynamics &dynamics, double t0, double h);
+  void factoriseEquations(double h);
   void estimateError(const double *f0, double h);
+  void dampError(double h);
 
   int stages_;
   double errorPower_ = 1;
@@ -68,6 +75,8 @@ private:
   std::vector<double> pastBegin_, pastStage_;
   double pastH_ = 0;
   std::unique_ptr<StageEquations> equations_, errorEquations_;
+  LowRankStages turning_, errorTurning_;
+  Linearisation linearisation_ = Linearisation::None;
   Eigen::VectorXd residual_, errorResidual_;
   bool stiff_ = false;
 };

@@ -205,11 +205,21 @@ void SlipDirections::differentiate(double time, const double *state) {
     difference(k, step, 0.5 / step, true);
     difference(k, -step, -0.5 / step, false);
   }
-  for (std::size_t p = 0; p < 2 * pairs_.size(); ++p)
-    std::copy_n(at_.tangent.data() + (pairs_[p / 2].modelRow + static_cast<int>(p % 2)) * model.nv, model.nv,
-                slipByState_.data() + p * columns + model.nq);
+  copySlipsByVelocity();
   at_.setPoint(time, state);
   at_.switching(ModelEvaluation::Slips, contacts.data());
+}
+
+void SlipDirections::differentiateByVelocity() {
+  slipByState_.assign(2 * pairs_.size() * (at_.model().nq + at_.model().nv), 0.0);
+  copySlipsByVelocity();
+}
+
+void SlipDirections::copySlipsByVelocity() {
+  const tf_model &model = at_.model();
+  for (std::size_t p = 0; p < 2 * pairs_.size(); ++p)
+    std::copy_n(at_.tangent.data() + (pairs_[p / 2].modelRow + static_cast<int>(p % 2)) * model.nv, model.nv,
+                slipByState_.data() + p * (model.nq + model.nv) + model.nq);
 }
 
 void SlipDirections::slips(double *values) const {

@@ -67,6 +67,8 @@ public:
 
   // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
   void differentiate(double time, const double *state);
+  // The same by v alone, and zero by q, at the point of the latest contact terms and `switching`.
+  void differentiateByVelocity();
   // All slips, two for each pair, at the point of the latest `switching`.
   void slips(double *values) const;
   // Their derivatives by v, nv for each, at the point of the latest contact terms.
@@ -83,6 +85,7 @@ private:
   };
 
   static void turn(Pair &pair, double cosine, double sine);
+  void copySlipsByVelocity();
   [[nodiscard]] bool isSlow(int pair) const;
   // Slips below have the reference direction: rounding errors of those that grow, whose direction is known from the start on.
   [[nodiscard]] double rounding(const Pair &pair) const;

@@ -90,6 +90,18 @@ TEST(StartingSlip, GrowsFast) {
   expectPlaces(pulledBlock("pulled_fast", onTable), {{"W1", 1}, {"growth", 2.5}, {"turning", 2}}, 0, 1, 2.5, 2);
 }
 
+// On a fixed table slips are functions of the velocities, and the turn of friction is all that is stiff.
+TEST(StartingSlip, NeedsNoWholeJacobian) {
+  for (const std::string &friction : {onTable, withElement}) {
+    CompiledModel model(pulledBlock("pulled_without_jacobian", friction), {{"turning", -2}});
+    model.tolerance(1e-8).initialise();
+    model.advance(1.5);
+    const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+    EXPECT_GT(statistics.step_steps, 0);
+    EXPECT_EQ(statistics.jacobians, 0);
+  }
+}
+
 TEST(StartingSlip, TurnsWithMassesThatDiffer) {
   expectPlaces(pulledBlock("pulled_masses", onTable), {{"W0", 1}, {"m[2]", 3}, {"turning", 2}}, 1, 0, 1, 2);
 }
