@@ -161,7 +161,7 @@ bool SpatialFrozenPhase::Workspace::settleNearZero(int forced) {
 }
 
 // Where steps follow each other within no time to speak of, leaps over as many of them as possible; where breakpoints do, steps over all
-// that may happen, each time further.
+// that may happen, each time further, up to what directions bear: velocities still to be brought to zero end the crowd then.
 bool SpatialFrozenPhase::Workspace::passCrowd(int forced, bool &found) {
   windowBreakpoints += found ? 1 : 0;
   if (++windowSteps < window)
@@ -181,8 +181,7 @@ bool SpatialFrozenPhase::Workspace::passCrowd(int forced, bool &found) {
   }
   if (tau > windowBegin || !breakpointsOnly)
     return true;
-  if (++crowding > mostDoublings)
-    return false;
+  crowding = std::min(crowding + 1, mostDoublings);
   const double band = stepBand * stillSpeed * std::ldexp(1.0, crowding);
   nextLength = infinity;
   return stepOver(forced, band / largestChange, band);
