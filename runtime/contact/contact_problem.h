@@ -34,6 +34,8 @@ struct ContactRows {
   [[nodiscard]] double limit(int j, const double *forces) const { return owner[j] >= 0 ? friction[j] * forces[owner[j]] : bound[j]; }
   // Row j begins a pair whose slip is zero, so that the direction of its friction is open.
   [[nodiscard]] bool isDisk(int j) const { return partner[j] > j && slipSign[j] == 0; }
+  // Row j lies across the slip of its pair: it carries no friction, whatever becomes of the coefficient.
+  [[nodiscard]] bool isAcross(int j) const { return partner[j] >= 0 && partner[j] < j && slipSign[j] != 0; }
   [[nodiscard]] bool hasDisks() const;
   // New rows have owner −1, no friction, bound 0, no slip and no partner.
   void resize(int normals, int tangents);

@@ -57,7 +57,7 @@ void NextDerivative::poseTangent(const ContactProblem &problem, const ContactRat
   const bool open = owner >= 0 && !degenerate_[owner] && !solution.mode.closed[owner];
   const bool without =
       owner >= 0 ? problem.friction[j] == 0 && rates.frictionRate[j] == 0 : problem.bound[j] == 0 && rates.boundRate[j] == 0;
-  if (open || without) {
+  if (open || without || problem.isAcross(j)) {
     p.tangentKind[j] = TangentKind::None;
     return;
   }

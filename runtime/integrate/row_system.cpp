@@ -153,7 +153,7 @@ void RowSystem::gatherLimits(const ModelEvaluation &at, ContactRows &rows) const
       rows.friction[j] = at.friction[contactOf_[j]];
     else
       rows.bound[j] = at.bound[tangents_[j]];
-    if (side_[j] == 2 && rows.slipSign[j] != 0)
+    if (rows.isAcross(j))
       rows.friction[j] = rows.bound[j] = 0;
   }
 }
