@@ -41,6 +41,15 @@ void ConicForces::solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const {
   x.applyOnTheLeft(factor_.householderQ());
 }
 
+void ConicForces::multipliersOf(const Eigen::VectorXd &x, Eigen::VectorXd &z) const {
+  const Eigen::Index rank = factor_.rank();
+  Eigen::VectorXd along = x;
+  along.applyOnTheLeft(factor_.householderQ().adjoint());
+  factor_.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().solveInPlace(along.head(rank));
+  along.tail(along.size() - rank).setZero();
+  z = factor_.colsPermutation() * along;
+}
+
 bool ConicForces::prepare(double tolerance) {
   const Eigen::Index count = rhs_.size();
   for (Eigen::Index r = 0; r < count; ++r) {

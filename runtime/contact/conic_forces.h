@@ -43,6 +43,8 @@ public:
   const Eigen::VectorXd *followLeastNorm();
   // Least-norm solution of A x = b for another b.
   void solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const;
+  // z of rows with Aᵀ z = x, zero of those that depend on others; x has no part in the null space of A.
+  void multipliersOf(const Eigen::VectorXd &x, Eigen::VectorXd &z) const;
 
   [[nodiscard]] double slack(int k, const Eigen::VectorXd &x) const;
   [[nodiscard]] double smallestSlack(const Eigen::VectorXd &x) const;

@@ -15,6 +15,12 @@
 
 namespace tf::runtime {
 
+// How that changes what decides on the share of redundant rows (ForceSet::shareMultipliers), beside what changes forces of any rows.
+struct ShareRates {
+  const double *multiplierAcceleration = nullptr;  // n + m: derivative of D z with z fixed
+  const double *friction = nullptr;                // m: of μ
+};
+
 class ForceSet {
 public:
   // Begins a mode: which rows are active and which limits they have.
@@ -44,7 +50,13 @@ public:
   [[nodiscard]] const LuFactor &factor() const { return factor_; }
   // Directional derivative after solveRegular, or after solveLeastNorm or solveActive, see ModeForces::forceRates.
   void forceRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
-  void leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, double *forceRate);
+  // `shares` (may be null: at fixed D and μ) after shareMultipliers.
+  void leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate, const ShareRates *shares,
+                      double *forceRate);
+  // See ModeForces::sharesAreSmooth; after solveLeastNorm or solveActive.
+  [[nodiscard]] bool sharesAreSmooth() const { return !conic_ || inside_; }
+  // z (n + m, 0 on rows that are not active): ½‖λ‖² has the gradient Aᵀ z along x but for the multipliers of saturated limits.
+  const std::vector<double> &shareMultipliers(const ContactProblem &problem);
 
   // The least-norm force. Tolerances are relative to the force scale of the problem.
   LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance) {
@@ -101,6 +113,10 @@ private:
   void followConic();
   void findInnermost();
   [[nodiscard]] int conicSaturated(int k) const;
+  void findPolyhedronMultipliers(Eigen::VectorXd &equations);
+  void shareGradient(const ShareRates &shares);
+  void pointRate(const double *limitRate);
+  void conicPointRate();
 
   ContactRowData rows_;
   ModeEquations equations_;
@@ -113,6 +129,10 @@ private:
   std::vector<double> offset_, fixed_, unknown_, weight_, inverseWeight_, forces_, accelerations_;
   std::vector<int> dependent_;              // of the equations of a polyhedron: those that depended on others in the last solveLeastNorm
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds
+  // Of the equations' and the limits' multipliers, see shareMultipliers; row accelerations D z; in y: of unknown forces, the derivative of
+  // the gradient at fixed multipliers, and their own.
+  std::vector<double> multiplier_, multiplierAcceleration_, limitMultiplier_;
+  Eigen::VectorXd gradientRate_, pointRate_, rhsRate_;
   DenseMatrix matrix_;
   double forceScale_ = 0;
   bool hasMode_ = false, singular_ = false;

@@ -157,11 +157,14 @@ MarginOutcome ModeForces::cross(int margin) {
   return exists ? MarginOutcome::Rechosen : MarginOutcome::ModeEnds;
 }
 
-void ModeForces::forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate,
-                            std::span<double> forceRate) const {
+bool ModeForces::sharesAreSmooth() const { return work_->set->sharesAreSmooth(); }
+std::span<const double> ModeForces::shareMultipliers() const { return work_->set->shareMultipliers(*work_->problem); }
+
+void ModeForces::forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate, std::span<double> forceRate,
+                            const ShareRates *shares) const {
   Workspace &w = *work_;
   if (w.redundant)
-    w.set->leastNormRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
+    w.set->leastNormRates(*w.problem, accelerationRate.data(), limitRate.data(), shares, forceRate.data());
   else
     w.set->forceRates(*w.problem, accelerationRate.data(), limitRate.data(), forceRate.data());
 }

@@ -72,9 +72,16 @@ public:
   MarginOutcome cross(int margin);
 
   // Directional derivative of the forces at the last evaluation: accelerationRate = derivative of D λ + φ with λ fixed (n + m),
-  // limitRate = derivative of the limits with λ fixed (m). Out: forceRate (n + m). In a redundant mode the least-norm rate: right for the
-  // accelerations; how a change of D or μ moves the shares of redundant contacts is not in it.
-  void forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate, std::span<double> forceRate) const;
+  // limitRate = derivative of the limits with λ fixed (m). Out: forceRate (n + m). In a redundant mode a change of D or μ moves the shares
+  // of redundant contacts too: only with `shares`, which need shareMultipliers at this evaluation and sharesAreSmooth. Without them it is
+  // the least-norm rate.
+  void forceRates(std::span<const double> accelerationRate, std::span<const double> limitRate, std::span<double> forceRate,
+                  const ShareRates *shares = nullptr) const;
+  // Of a redundant mode at the last evaluation: its forces have a derivative that is known. Those that limits of slips of two components
+  // hold have none: limits come and go among them without a margin.
+  [[nodiscard]] bool sharesAreSmooth() const;
+  // Of it the multipliers z (n + m) of the rows in the least-norm problem (ForceSet::shareMultipliers).
+  [[nodiscard]] std::span<const double> shareMultipliers() const;
 
 private:
   struct Workspace;

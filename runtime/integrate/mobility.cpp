@@ -118,7 +118,7 @@ void Mobility::accelerate(const double *force, const double *bias, double *accel
 
 void Mobility::multipliers(const double *force, const double *bias, double *multipliers) const {
   work_.noalias() = -response_.transpose() * Eigen::Map<const Eigen::VectorXd>(force, nv_);
-  for (int k = 0; k < nh_; ++k)
+  for (int k = 0; bias != nullptr && k < nh_; ++k)
     work_[k] -= scale_[k] * bias[k];
   solve(work_);
   for (int k = 0; k < nh_; ++k)

@@ -31,7 +31,7 @@ public:
   void apply(const double *b, double *x) const;
   // a for the force f; `bias` [nh] may be null (zero). f and a may be the same.
   void accelerate(const double *force, const double *bias, double *acceleration) const;
-  // ν for the total force f, contact forces included.
+  // ν for the total force f, contact forces included; `bias` may be null.
   void multipliers(const double *force, const double *bias, double *multipliers) const;
   // x += M⁻¹Hᵀ (H M⁻¹ Hᵀ)⁺ r: the smallest change in the metric of M that changes H x by r.
   void correct(const double *residual, double *x) const;

@@ -48,6 +48,29 @@ void ModeDynamics::kinematicColumn(int k, double *column) const {
     column[i] = velocity < 0 ? at_.kinematicsByCoordinate[i * model.nq + k] : at_.kinematicMatrix[i * model.nv + velocity];
 }
 
+// d μ/d x_k of contacts' rows, and of the limits of all rows at fixed forces. Rows across a slip have none.
+void ModeDynamics::limitColumn(int k, std::vector<double> &friction, std::vector<double> &limit) const {
+  const int nx = at_.columns();
+  for (int j = 0; j < problem_.tangentCount; ++j) {
+    friction[j] = limit[j] = 0;
+    if (problem_.isAcross(j))
+      continue;
+    if (const int owner = problem_.owner[j]; owner >= 0) {
+      friction[j] = at_.frictionByState[rows_.contacts()[owner] * nx + k];
+      limit[j] = friction[j] * closedForce_[owner];
+    } else {
+      limit[j] = at_.boundByState[rows_.tangents()[j] * nx + k];
+    }
+  }
+}
+
+bool ModeDynamics::sharesMove() {
+  if (rows_.count() == 0)
+    return false;
+  complete();
+  return forces_.sharesMove();
+}
+
 bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
   const tf_model &model = at_.model();
   const int n = size();
@@ -61,11 +84,15 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
   complete();
   solveMultipliers();
   at_.dynamicsDerivatives(mask_.data());
+  const bool areShared = sharesMove() && forces_.sharesAreSmooth();
+  if (areShared)
+    shareDerivatives_.evaluate(at_, rows_, mask_.data(), forces_.shareMultipliers());
   at_.kinematicsDerivatives();
   slips_.differentiate(time, state);
   const int normals = rows_.normalCount();
   std::vector<double> forceChange(model.nv), constraintChange(model.nh), biasChange(rows_.count()), limitChange(rows_.tangents().size()),
-      column(model.nv);
+      column(model.nv), shareChange(rows_.count()), frictionChange(rows_.tangents().size());
+  const ShareRates shares = {shareChange.data(), frictionChange.data()};
   for (int k = 0; k < n - 1; ++k) {
     for (int i = 0; i < model.nv; ++i)
       forceChange[i] = -at_.residualByState[i * nx + k];
@@ -74,20 +101,21 @@ bool ModeDynamics::jacobian(double time, const double *state, double *matrix) {
     for (int i = 0; i < rows_.count(); ++i)
       biasChange[i] = i < normals ? at_.normalByState[rows_.contacts()[i] * nx + k]
                                   : rows_.tangentValue(at_.tangentByState.data() + k, nx, i - normals);
+    if (areShared)
+      shareDerivatives_.column(at_, rows_, k, shareChange);
     for (int p = 0; p < slips_.count() && k < model.nq + model.nv; ++p) {
       const int across = normals + slips_.row(p) + 1;
-      const double change = rowForces()[across - 1] * slips_.turning(p, k);
+      const double turning = slips_.turning(p, k), change = rowForces()[across - 1] * turning;
       for (int i = 0; i < model.nv; ++i)
         forceChange[i] += rows_.jacobian(across)[i] * change;
+      if (areShared)
+        shareChange[across - 1] += shareDerivatives_.product(rows_, across) * turning;
     }
-    for (std::size_t j = 0; j < limitChange.size(); ++j) {
-      const int owner = problem_.owner[j];
-      limitChange[j] = owner >= 0 ? at_.frictionByState[rows_.contacts()[owner] * nx + k] * closedForce_[owner]
-                                  : at_.boundByState[rows_.tangents()[j] * nx + k];
-    }
+    limitColumn(k, frictionChange, limitChange);
     double *target = matrix + static_cast<std::ptrdiff_t>(k) * n;
-    if (!areZero(forceChange) || !areZero(constraintChange) || !areZero(biasChange) || !areZero(limitChange)) {
-      response(forceChange.data(), constraintChange.data(), biasChange.data(), limitChange.data(), column.data());
+    if (areShared || !areZero(forceChange) || !areZero(constraintChange) || !areZero(biasChange) || !areZero(limitChange)) {
+      response(forceChange.data(), constraintChange.data(), biasChange.data(), limitChange.data(), column.data(),
+               areShared ? &shares : nullptr);
       std::copy(column.begin(), column.end(), target + model.nq);
     }
     for (int i = 0; i < model.nz; ++i)

@@ -261,7 +261,7 @@ void ModeDynamics::conditionRates(double *rates) {
 }
 
 void ModeDynamics::response(const double *forceChange, const double *constraintChange, const double *biasChange, const double *limitChange,
-                            double *accelerationChange) {
+                            double *accelerationChange, const ShareRates *shares) {
   at_.mobility.accelerate(forceChange, constraintChange, accelerationChange);
   if (rows_.count() == 0)
     return;
@@ -271,7 +271,7 @@ void ModeDynamics::response(const double *forceChange, const double *constraintC
     std::copy_n(limitChange, limitChange_.size(), limitChange_.begin());
   else
     std::fill(limitChange_.begin(), limitChange_.end(), 0.0);
-  forces_.forceRates(rowChange_, limitChange_, forceChange_);
+  forces_.forceRates(rowChange_, limitChange_, forceChange_, shares);
   rows_.accelerate(forceChange_.data(), accelerationChange);
 }
 

@@ -11,6 +11,7 @@
 #include "runtime/integrate/mode.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/projection.h"
+#include "runtime/integrate/share_derivatives.h"
 #include "runtime/integrate/slip_directions.h"
 
 #include <Eigen/Dense>
@@ -75,20 +76,26 @@ public:
   // dt/dtau of the last evaluation.
   [[nodiscard]] double timeSpeed() const { return tauRate_ > 0 ? 1 / tauRate_ : 1; }
 
-  // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point; but not how redundant contacts come to share their load in another
-  // way (see sharesMove).
+  // d(dy/dt)/dy [n × n, column-major] at the last evaluation's point; but not, where isShareUnknown, how redundant contacts come to share
+  // their load in another way.
   bool jacobian(double time, const double *state, double *matrix);
 
   // What of it is stiff where slips of two components are slow: how friction turns with the velocities. It is rateByAngle angleByStateᵀ
   // [n × turningPairCount() each, column-major], at the last evaluation's point.
   void turningDerivatives(double *rateByAngle, double *angleByState);
 
-  // The accelerations depend on how redundant contacts share their load, as where some of them slide. After an evaluation.
-  [[nodiscard]] bool sharesMove() {
-    if (rows_.count() == 0)
-      return false;
-    complete();
-    return forces_.sharesMove();
+  // After an evaluation: the accelerations depend on how redundant contacts share their load, as where some of them slide;
+  [[nodiscard]] bool sharesMove();
+  // and this has no derivative.
+  [[nodiscard]] bool isShareUnknown() { return sharesMove() && !forces_.sharesAreSmooth(); }
+  // As well: constraints and held contacts leave no velocity free.
+  [[nodiscard]] bool holdsAll() {
+    completeRows();
+    return leavesNoVelocity();
+  }
+  // The mode ends at the guard because redundant contacts begin to contradict one another.
+  [[nodiscard]] bool isContradiction(int guard) const {
+    return guards_[guard].kind == GuardKind::Force && forces_.margins()[guards_[guard].index].limit.row == ModeMargin::contradiction;
   }
 
   // The accelerations depend on nothing that changes in the mode, and coordinates change as their velocities.
@@ -225,10 +232,12 @@ private:
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
   bool solveSliding();
-  // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D.
+  // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D;
+  // `shares` (may be null): as redundant rows share their load in the end.
   void response(const double *forceChange, const double *constraintChange, const double *biasChange, const double *limitChange,
-                double *accelerationChange);
+                double *accelerationChange, const ShareRates *shares = nullptr);
   void kinematicColumn(int k, double *column) const;
+  void limitColumn(int k, std::vector<double> &friction, std::vector<double> &limit) const;
   void conditionRates(double *rates);
   void differenceJacobian(double time, const double *state, double *matrix);
   bool fail(EvaluationFailure failure);
@@ -247,6 +256,7 @@ private:
   ContactMode contactMode_;
   ModeForces forces_;
   FoldedForces folded_;
+  ShareDerivatives shareDerivatives_;
   bool isFolded_ = false;    // folded_ gives the forces
   bool isSmall_ = false;     // by evaluateSmall
   bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M

@@ -17,6 +17,9 @@ constexpr double differenceStep = 1e-4;
 // The difference of derivatives to both sides that is a kink, relative to the magnitude of their change.
 constexpr double visibleKink = 1e-3;
 
+// The change of a derivative by a map that is no rounding error of its differences, alike.
+constexpr double visibleMove = 1e-7;
+
 }  // namespace
 
 Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instance, const InputSignals &inputs,
@@ -187,7 +190,7 @@ bool Sensitivities::sample(SmoothIntegrator &integrator, double begin, double le
     integrator.interpolate(time, state_.data());
     if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
       return false;
-    isShareUnknown_ = dynamics_.sharesMove();
+    isShareUnknown_ = dynamics_.isShareUnknown();
     if (isShareUnknown_ || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
       return false;
     slopes_[k] = jacobian_.topLeftCorner(n_, n_);
@@ -397,6 +400,15 @@ bool Sensitivities::findKink(const Map &map, double time, const double *state) {
 }
 
 bool Sensitivities::propagate(const Map &map, double time, const double *state) {
+  const Eigen::MatrixXd before = matrix_;
+  const bool isGood = mapBothSides(map, time, state);
+  hasMoved_ = false;
+  for (int k = 0; k < columnCount(); ++k)
+    hasMoved_ = hasMoved_ || (matrix_.col(k) - before.col(k)).lpNorm<Eigen::Infinity>() > visibleMove * alongScale(k);
+  return isGood;
+}
+
+bool Sensitivities::mapBothSides(const Map &map, double time, const double *state) {
   if (jump_.size() == 0) {
     const bool hasKink = findKink(map, time, state);
     if (!hasKink)

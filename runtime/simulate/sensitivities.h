@@ -42,6 +42,8 @@ public:
   // sides are mapped on by those that follow, until `isOneSided` asks.
   using Map = std::function<bool(double time, double *state)>;
   bool propagate(const Map &map, double time, const double *state);
+  // The last `propagate` has changed a derivative of a state by more than rounding.
+  [[nodiscard]] bool hasMoved() const { return hasMoved_; }
   // Since it was asked last, the state has been mapped such that its derivatives on both sides differ.
   bool isOneSided();
   // The run goes on with the rate f⁺.
@@ -82,6 +84,7 @@ private:
   [[nodiscard]] Eigen::VectorXd rounding(double length) const;
   [[nodiscard]] auto image(const Map &map) const;
   bool mapColumns(const Map &map, double time, const double *state);
+  bool mapBothSides(const Map &map, double time, const double *state);
   bool findKink(const Map &map, double time, const double *state);
   template <class Function> bool kink(const Function &function, double scale, double *jump);
   // The values at s along a column's direction, from (time, state).
@@ -106,7 +109,7 @@ private:
   std::vector<double> refinement_;  // of each column's differences of a map
   LinearCollocation gauss_, damped_;
   Eigen::MatrixXd largest_, seen_;  // n × columns: |S| up to now; with that of the piece
-  bool isShareUnknown_ = false;
+  bool isShareUnknown_ = false, hasMoved_ = false;
   double piece_ = 0;  // length of the next one that its error suggests; 0: none
   // workspaces of addStep: A and b at the nodes, the Jacobian with τ, S at the end by either method
   std::vector<Eigen::MatrixXd> slopes_, offsets_;

@@ -194,6 +194,7 @@ tf_status Simulation::Implementation::takeStarts() {
 
 tf_status Simulation::Implementation::solveStart() {
   sensitivities_.reset();
+  isShareLost_ = false;
   if (!owner_.options.sensitivities.empty()) {
     if (std::string text = failures_.relaxedSensitivities(); !text.empty())
       return fail(std::move(text));
@@ -304,9 +305,12 @@ tf_status Simulation::Implementation::commit() {
   if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     observeInvariants(false);
   if (!differentiated)
-    return failSensitivities(sensitivities_->isShareUnknown()
-                                 ? "a motion that depends on how redundant contacts share their load, some of which slide,"
-                                 : "the step that ends");
+    return failSensitivities(
+        sensitivities_->isShareUnknown()
+            ? "a motion that depends on how redundant contacts share their load within the friction of those that stick,"
+            : "the step that ends");
+  if (isShareLost_ && time_ - begin > owner_.options.tolerance * std::max(1.0, std::abs(time_)))
+    return failSensitivities("contacts that come to rest while others slide and the motion depends on how they share their load,");
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 

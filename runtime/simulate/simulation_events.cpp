@@ -65,6 +65,8 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
     const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
     if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failSensitivities("the mode that begins");
+    // That instant's impulses have shares, too, which are not those of the mode; where nothing can move afterwards they do not matter.
+    isShareLost_ = (isShareLost_ && !dynamics_.holdsAll()) || (sensitivities_->hasMoved() && dynamics_.sharesMove());
     if (sensitivities_->isOneSided())
       return failSensitivities("an event at which those for larger and for smaller values of a parameter differ");
     sensitivities_->endEvent(rate_.data());
@@ -405,6 +407,8 @@ tf_status Simulation::Implementation::passSwitch(int guard, double limit) {
 tf_status Simulation::Implementation::differentiateEvent(int guard) {
   if (!sensitivities_)
     return TF_OK;
+  if (dynamics_.isContradiction(guard) && dynamics_.sharesMove())
+    return failSensitivities("the end of a load that redundant contacts share, some of which slide,");
   const std::vector<Guard> &all = dynamics_.guards();
   std::vector<int> guards = {guard};
   if (all[guard].kind == GuardKind::Gap) {

@@ -70,6 +70,7 @@ public:
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
   Invariants invariants_;
   std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
+  bool isShareLost_ = false;                      // theirs, unless nothing can move within what the tolerance leaves open
   Redundancy redundancy_;
   // workspaces
   std::vector<Transition> transitions_;

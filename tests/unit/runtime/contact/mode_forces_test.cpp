@@ -156,7 +156,7 @@ TEST(ModeForces, RatesAreTheDerivative) {
     if (found.status != ContactStatus::Solved || !found.degenerate.empty())
       continue;
     const int count = problem.count();
-    // D stays; φ moves within its range, and μ where that does not change the shares of redundant contacts.
+    // D stays; φ moves within its range, and μ where that does not change the shares of redundant contacts (see below).
     const double muRate = found.redundant ? 0.0 : 0.1;
     const Eigen::VectorXd psi = problem.delassus.map() * contacts.matrix(count, 1);
     const auto at = [&](double h) {
@@ -187,6 +187,93 @@ TEST(ModeForces, RatesAreTheDerivative) {
   }
   EXPECT_GT(redundant, 10);
   EXPECT_GT(compared, 100);
+}
+
+// Contacts with all of J, the force and the coefficients changing along h, of slips of one or two components some of which stick. All rows
+// have forces that hold them at zero, so that they stay consistent.
+struct MovingContacts {
+  ContactProblem begin;
+  ContactMode mode;
+  Eigen::MatrixXd rows, rowRate;
+  Eigen::VectorXd force, forceRate;
+  std::vector<double> frictionRate;
+
+  MovingContacts(RandomContacts &contacts, int n, int components, int velocities) {
+    const int m = n * components;
+    begin.resize(n, m);
+    mode = modeOf(std::vector<std::uint8_t>(n, 1), std::vector<std::int8_t>(m, 0));
+    rows = contacts.matrix(n + m, velocities);
+    rowRate = contacts.matrix(n + m, velocities);
+    frictionRate.assign(m, 0.0);
+    Eigen::VectorXd held(n + m);
+    for (int i = 0; i < n; ++i) {
+      held[i] = contacts.uniform(1, 3);
+      const bool slips = contacts.uniform(0, 1) < 0.5;
+      for (int j = i * components; j < (i + 1) * components; ++j) {
+        const bool isAcross = slips && j > i * components;
+        begin.owner[j] = i;
+        begin.partner[j] = components == 2 ? j ^ 1 : -1;
+        begin.friction[j] = isAcross ? 0 : slips ? contacts.uniform(0.1, 0.6) : 3;
+        begin.slipSign[j] = mode.slip[j] = slips ? 1 : 0;
+        frictionRate[j] = isAcross ? 0 : contacts.uniform(-1, 1);
+        held[n + j] = slips ? -begin.friction[j] * held[i] : contacts.uniform(-0.3, 0.3);
+      }
+    }
+    force = -rows.transpose() * held;
+    forceRate = contacts.matrix(velocities, 1);
+  }
+  [[nodiscard]] ContactProblem at(double h) const {
+    ContactProblem problem = begin;
+    const Eigen::MatrixXd moved = rows + h * rowRate;
+    problem.delassus.map() = moved * moved.transpose();
+    Eigen::Map<Eigen::VectorXd>(problem.bias.data(), moved.rows()) = moved * (force + h * forceRate);
+    for (int j = 0; j < problem.tangentCount; ++j)
+      problem.friction[j] += h * frictionRate[j];
+    return problem;
+  }
+  [[nodiscard]] Eigen::VectorXd delassusRate(std::span<const double> times) const {
+    const Eigen::Map<const Eigen::VectorXd> x(times.data(), rows.rows());
+    return rowRate * (rows.transpose() * x) + rows * (rowRate.transpose() * x);
+  }
+};
+
+TEST(ModeForces, SharesOfRedundantRowsFollowTheProblem) {
+  RandomContacts contacts(34);
+  ModeForces forces;
+  int compared[] = {0, 0}, saturated = 0;
+  for (int run = 0; run < 600; ++run) {
+    const int components = 1 + run % 2, n = contacts.integer(3, 5);
+    const MovingContacts moving(contacts, n, components, contacts.integer(2, n - 1));
+    const ContactProblem problem = moving.at(0);
+    if (!forces.start(problem, moving.mode) || !forces.redundant() || !forces.sharesAreSmooth())
+      continue;
+    // Of order 4, with the limits that are saturated at h = 0.
+    const double h = 1e-4;
+    const auto at = [&](double place) {
+      const ContactProblem moved = moving.at(place);
+      EXPECT_TRUE(forces.evaluate(moved)) << "run " << run;
+      return Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(forces.forces().data(), problem.count()));
+    };
+    const Eigen::VectorXd expected = (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h);
+    if (expected.lpNorm<Eigen::Infinity>() > 100)
+      continue;  // nearly singular
+    ASSERT_TRUE(forces.evaluate(problem));
+    const Eigen::VectorXd accelerationRate =
+        moving.delassusRate(forces.forces()) + moving.rowRate * moving.force + moving.rows * moving.forceRate;
+    const Eigen::VectorXd multiplierRate = moving.delassusRate(forces.shareMultipliers());
+    std::vector<double> limitRate(problem.tangentCount), rate(problem.count());
+    for (int j = 0; j < problem.tangentCount; ++j)
+      limitRate[j] = moving.frictionRate[j] * forces.forces()[problem.owner[j]];
+    const ShareRates shares = {multiplierRate.data(), moving.frictionRate.data()};
+    forces.forceRates({accelerationRate.data(), static_cast<std::size_t>(accelerationRate.size())}, limitRate, rate, &shares);
+    ++compared[components - 1];
+    saturated += std::any_of(forces.margins().begin(), forces.margins().end(), [](const ModeMargin &margin) { return margin.multiplier; });
+    for (int r = 0; r < problem.count(); ++r)
+      ASSERT_NEAR(rate[r], expected[r], 1e-7 * (1 + expected.lpNorm<Eigen::Infinity>())) << "run " << run << " row " << r;
+  }
+  EXPECT_GT(compared[0], 100);
+  EXPECT_GT(compared[1], 50);
+  EXPECT_GT(saturated, 20);
 }
 
 // A box on two sticking corners is pulled harder and harder: first the least-norm force touches a cone and is chosen again, then the set
