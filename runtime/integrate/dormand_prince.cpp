@@ -37,12 +37,11 @@ bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, c
   // The rate at the end serves the next step as well: it is to be that of the projected state.
   if (!dynamics.evaluateProjected(t0 + h, end_.data(), endRate_.data(), scale))
     return false;
+  std::copy_n(endRate_.begin(), n_, stage(stageCount));
   const double *k = stages_.data();
-  double *last = stage(stageCount);
-  for (int i = 0; i < n_; ++i) {
-    last[i] = endRate_[i];
-    error_[i] = h * weightedSum<difference, 0>(k, n_, i, std::make_index_sequence<storedCount>());
-  }
+  double *error = error_.data();
+  for (std::size_t i = 0, stride = stride_; i < stride; i += 2)
+    store(error + i, h * weightedSum<Pair, difference, 0>(k + i, stride, std::make_index_sequence<storedCount>()));
   return true;
 }
 

@@ -65,6 +65,11 @@ constexpr double leastDamping = 0.01;
 // size of the error, and either may pass through zero. Of y' = −1 − √|y| and the like, from y = 0, it is at most 5.5 times this one.
 double errorBehindSwitch(double five, double three) { return std::max(2 * std::abs(five), 0.2 * std::abs(three)); }
 
+// Of estimates of orders 5 and 3 (II.10).
+double dampedError(double five, double three) {
+  return five == 0 ? 0 : five * std::max(leastDamping, std::abs(five) / std::sqrt(five * five + three * three));
+}
+
 // Stages 14 to 16, out of k1 … k12, k13 = dy/dt at the end, and those before.
 constexpr double extraNodes[3] = {0.1, 0.2, 7.0 / 9};
 constexpr double extra[3][15] = {
@@ -101,7 +106,7 @@ constexpr double dense[4][16] = {
 
 DormandPrince8::DormandPrince8(int size) : ExplicitMethod(size, stageCount, storedCount, coefficientCount, 6.1, 1) {}
 
-// The error is the estimate of order 5, damped by the one of order 3 (II.10); of each component, so that the ratio of one does not vouch
+// The error is the estimate of order 5, damped by the one of order 3; of each component, so that the ratio of one does not vouch
 // for others.
 bool DormandPrince8::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                            double /*accuracy*/) {
@@ -114,16 +119,13 @@ bool DormandPrince8::solve(ModeDynamics &dynamics, double t0, const double *y0, 
   // The rate at the end serves the next step as well: it is to be that of the projected state.
   if (!dynamics.evaluateProjected(t0 + h, end_.data(), endRate_.data(), scale))
     return false;
+  std::copy_n(endRate_.begin(), n_, stage(stageCount));
   const double *k = stages_.data();
-  double *last = stage(stageCount);
-  for (int i = 0; i < n_; ++i) {
-    last[i] = endRate_[i];
-    const double five = h * weightedSum<fifth, 0>(k, n_, i, std::make_index_sequence<stageCount>());
-    const double three = 0.1 * h * weightedSum<third, 0>(k, n_, i, std::make_index_sequence<stageCount>());
-    if (distance_ < 1)
-      error_[i] = errorBehindSwitch(five, three);
-    else
-      error_[i] = five == 0 ? 0 : five * std::max(leastDamping, std::abs(five) / std::sqrt(five * five + three * three));
+  for (std::size_t i = 0, stride = stride_; i < stride; i += 2) {
+    const Pair fives = h * weightedSum<Pair, fifth, 0>(k + i, stride, std::make_index_sequence<stageCount>());
+    const Pair threes = 0.1 * h * weightedSum<Pair, third, 0>(k + i, stride, std::make_index_sequence<stageCount>());
+    for (std::size_t lane = 0; lane < 2; ++lane)
+      error_[i + lane] = distance_ < 1 ? errorBehindSwitch(fives[lane], threes[lane]) : dampedError(fives[lane], threes[lane]);
   }
   return true;
 }

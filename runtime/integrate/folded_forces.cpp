@@ -17,7 +17,7 @@ void FoldedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
     if (sign == 0)
       active_.push_back(row);
     else
-      slipping_.push_back({row, problem.owner[row - n], sign});
+      slipping_.push_back({row, problem.owner[row - n], static_cast<double>(sign)});
   }
   columns_.resize(active_.size() * rows.width());
   responses_.resize(columns_.size());
@@ -58,18 +58,17 @@ bool FoldedForces::chooseSmall(const ModelEvaluation &at, const RowSystem &rows,
   }
   for (const Slipping &slip : slipping_) {
     const int j = slip.row - n;
-    const auto sign = static_cast<double>(slip.sign);
     // The rows of a slip with two components turn with it.
     if (problem.partner[j] >= 0)
       return false;
     if (slip.unknown < 0) {
-      small_.addSlipping({tangent(slip.row), at.bound.data() + rows.tangents()[j], sign});
+      small_.addSlipping({tangent(slip.row), at.bound.data() + rows.tangents()[j], slip.sign});
       continue;
     }
     SmallSystem::SlippingRow &own = active[slip.unknown].slip;
     if (own.jacobian != nullptr)
       return false;
-    own = {tangent(slip.row), at.friction.data() + rows.contacts()[slip.unknown], sign};
+    own = {tangent(slip.row), at.friction.data() + rows.contacts()[slip.unknown], slip.sign};
   }
   return small_.start(at);
 }
@@ -105,21 +104,23 @@ void FoldedForces::freeForce(const ModelEvaluation &at, const RowSystem &rows, c
 
 void FoldedForces::expand(const ContactRows &problem) {
   const int n = problem.normalCount;
-  for (std::size_t c = 0; c < active_.size(); ++c)
-    forces_[active_[c]] = unknowns_[c];
+  double *const forces = forces_.data();
+  const double *unknown = unknowns_.data();
+  for (const int row : active_)
+    forces[row] = *unknown++;
   for (const Slipping &slip : slipping_)
-    forces_[slip.row] =
-        -slip.sign * (slip.unknown >= 0 ? problem.friction[slip.row - n] * unknowns_[slip.unknown] : problem.bound[slip.row - n]);
-  for (std::size_t k = 0; k < margins_.size(); ++k) {
-    const ForceLimit &limit = margins_[k].limit;
-    if (limit.row == ModeMargin::pressing) {
-      values_[k] = pressing_.value(relativeDeterminant());
-      continue;
-    }
-    const double own = forces_[limit.row];
-    values_[k] = limit.side == 0                  ? own
-                 : limit.side == ForceLimit::disk ? problem.limit(limit.row - n, forces_.data()) - std::hypot(own, forces_[limit.row + 1])
-                                                  : problem.limit(limit.row - n, forces_.data()) - limit.side * own;
+    forces[slip.row] = -slip.sign * problem.limit(slip.row - n, forces);
+  double *value = values_.data();
+  for (const ModeMargin &margin : margins_) {
+    const ForceLimit &limit = margin.limit;
+    if (limit.row == ModeMargin::pressing)
+      *value++ = pressing_.value(relativeDeterminant());
+    else if (limit.side == 0)
+      *value++ = forces[limit.row];
+    else if (limit.side == ForceLimit::disk)
+      *value++ = problem.limit(limit.row - n, forces) - std::hypot(forces[limit.row], forces[limit.row + 1]);
+    else
+      *value++ = problem.limit(limit.row - n, forces) - limit.side * forces[limit.row];
   }
 }
 

@@ -27,6 +27,8 @@ public:
   // As well, straight from the model's functions, where `isSmall`: only the limits of `problem` have been gathered, and no mass matrix need
   // be factorised. False: singular.
   bool evaluateSmall(const ModelEvaluation &at, const ContactRows &problem, double *acceleration);
+  // rate = (v, v') [2 nv] at the evaluation's point, where `isSmall` and q' = v. False: a value is not finite.
+  bool giveRates(const ModelEvaluation &at, double *rate) const { return small_.giveRates(at.velocities(), at.acceleration.data(), rate); }
   // change += M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ residual over the rows that take part [rows], where `isSmall`: all normal rows, or all active ones.
   // False: other rows.
   bool correct(const ModelEvaluation &at, const std::uint8_t *takesPart, const double *residual, double *change) const;
@@ -38,7 +40,8 @@ public:
 private:
   // A tangential row that slips: its number, the unknown of its contact (−1: a friction element), and the sign of its slip.
   struct Slipping {
-    int row = 0, unknown = -1, sign = 1;
+    int row = 0, unknown = -1;
+    double sign = 1;
   };
 
   bool chooseSmall(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);

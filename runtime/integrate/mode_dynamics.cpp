@@ -381,23 +381,33 @@ bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate)
   return folded_.evaluateSmall(at_, problem_, at_.acceleration.data()) && giveRate(rate);
 }
 
+// The latest forces into the model's arrays, with what follows from them.
+void ModeDynamics::recordForces() {
+  const auto forces = rowForces();
+  const std::vector<int> &contacts = rows_.contacts();
+  const std::size_t normals = contacts.size();
+  for (std::size_t i = 0; i < normals; ++i)
+    at_.normalForce[contacts[i]] = std::max(closedForce_[i] = forces[i], 0.0);
+  rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
+  recordMargins();
+}
+
 // Out of the forces, accelerations and state derivatives.
 bool ModeDynamics::giveRate(double *rate) {
   const tf_model &model = at_.model();
-  const int normals = rows_.normalCount();
-  if (rows_.count() > 0) {
-    const auto forces = rowForces();
-    for (int i = 0; i < normals; ++i)
-      at_.normalForce[rows_.contacts()[i]] = std::max(closedForce_[i] = forces[i], 0.0);
-    rows_.spreadTangentForces(forces.data() + normals, at_.tangentForce.data());
-    recordMargins();
-  }
+  if (rows_.count() > 0)
+    recordForces();
   tauRate_ = numericalTimeRate(closedForce_, closedRate_);
-  at_.kinematics(rate);
-  double *rest = std::copy_n(at_.acceleration.data(), model.nv, rate + model.nq);
-  rest = std::copy_n(at_.stateRate.data(), model.nz, rest);
-  *rest = tauRate_;
-  return allFinite(rate, size()) || fail(EvaluationFailure::NotFinite);
+  double *rest = rate + model.nq + model.nv;
+  rest[model.nz] = tauRate_;
+  bool isFinite = copyFinite(at_.stateRate.data(), model.nz, rest) + tauRate_ * 0 == 0;
+  if (isSmall_ && model.kinematics == nullptr) {
+    isFinite = folded_.giveRates(at_, rate) && isFinite;
+  } else {
+    at_.kinematics(rate);
+    isFinite = isFinite && copyFinite(at_.acceleration.data(), model.nv, rate + model.nq) == 0 && allFinite(rate, model.nq);
+  }
+  return isFinite || fail(EvaluationFailure::NotFinite);
 }
 
 void ModeDynamics::solveMultipliers() {

@@ -246,6 +246,7 @@ private:
   void evaluateGuards();
   void buildGuards();
   [[nodiscard]] bool varies(const Guard &guard) const;
+  void recordForces();
   void recordMargins();
 
   ModelEvaluation &at_;

@@ -305,16 +305,13 @@ double RowSystem::tangentValue(const double *modelRows, int stride, int j) const
   return frame_[j - 1].c * own - frame_[j - 1].s * modelRows[tangents_[j - 1] * stride];
 }
 
-void RowSystem::spreadTangentForces(const double *forces, double *modelForces) const {
-  for (std::size_t j = 0; j < tangents_.size(); ++j) {
-    if (side_[j] == 0)
-      modelForces[tangents_[j]] = forces[j];
-    if (side_[j] != 1)
-      continue;
-    const Frame &frame = frame_[j];
-    modelForces[tangents_[j]] = frame.c * forces[j] - frame.s * forces[j + 1];
-    modelForces[tangents_[j + 1]] = frame.s * forces[j] + frame.c * forces[j + 1];
-  }
+// Of row j of a pair, whose rows are in a frame.
+void RowSystem::spreadTurned(int j, const double *forces, double *modelForces) const {
+  if (side_[j] != 1)
+    return;
+  const Frame &frame = frame_[j];
+  modelForces[tangents_[j]] = frame.c * forces[j] - frame.s * forces[j + 1];
+  modelForces[tangents_[j + 1]] = frame.s * forces[j] + frame.c * forces[j + 1];
 }
 
 void RowSystem::bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const {

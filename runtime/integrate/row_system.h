@@ -61,7 +61,13 @@ public:
   // Row j (from 0, of the tangential rows here) of a quantity with one value for each tangential row of the model, `stride` apart.
   [[nodiscard]] double tangentValue(const double *modelRows, int stride, int j) const;
   // Forces of the tangential rows here into those of the model [nt]; other rows keep theirs.
-  void spreadTangentForces(const double *forces, double *modelForces) const;
+  void spreadTangentForces(const double *forces, double *modelForces) const {
+    for (std::size_t j = 0; j < tangents_.size(); ++j)
+      if (side_[j] == 0)
+        modelForces[tangents_[j]] = forces[j];
+      else
+        spreadTurned(static_cast<int>(j), forces, modelForces);
+  }
 
   // Number of velocities.
   [[nodiscard]] int width() const { return nv_; }
@@ -71,11 +77,13 @@ public:
   [[nodiscard]] const std::vector<int> &tangents() const { return tangents_; }
 
 private:
-  std::vector<int> contacts_, tangents_;
   struct Frame {
     double c = 1, s = 0;
   };
 
+  void spreadTurned(int j, const double *forces, double *modelForces) const;
+
+  std::vector<int> contacts_, tangents_;
   std::vector<int> owner_, pair_;  // nt: of all tangential rows of the model
   std::vector<int> contactOf_;     // of a tangential row: contact or −1
   std::vector<int> side_;          // of a tangential row: 0 alone, 1 first of a pair, 2 second

@@ -48,16 +48,12 @@ template <int nv> [[gnu::always_inline]] inline bool factorise(const double *mas
   return true;
 }
 
-// x ← M⁻¹ x
-template <int nv> [[gnu::always_inline]] inline void divide(const double *factor, const double *inverse, double (&x)[nv]) {
-  for (int i = 1; i < nv; ++i)
+bool isDiagonal(const double *mass, int size) {
+  for (int i = 1; i < size; ++i)
     for (int j = 0; j < i; ++j)
-      x[i] -= factor[i * nv + j] * x[j];
-  for (int i = 0; i < nv; ++i)
-    x[i] *= inverse[i];
-  for (int i = nv - 1; i > 0; --i)
-    for (int j = 0; j < i; ++j)
-      x[j] -= factor[i * nv + j] * x[i];
+      if (mass[i * size + j] != 0)
+        return false;
+  return true;
 }
 
 template <int nv> [[gnu::always_inline]] inline double product(const double *row, const double (&x)[nv]) {
@@ -71,6 +67,21 @@ template <int nv> [[gnu::always_inline]] inline void addSlip(const SmallSystem::
   const double factor = -slip.sign * *slip.limit;
   for (int k = 0; k < nv; ++k)
     x[k] += factor * slip.jacobian[k];
+}
+
+// 0 times each of the values is added: the sum is not zero where one of them is infinite or NaN.
+template <int nv> [[gnu::always_inline]] inline void copyInto(double *target, const double *values, double &sum) {
+  for (int k = 0; k < nv; ++k) {
+    target[k] = values[k];
+    sum += values[k] * 0;
+  }
+}
+
+template <int nv> bool copyRates(const double *velocity, const double *acceleration, double *rate) {
+  double sum = 0;
+  copyInto<nv>(rate, velocity, sum);
+  copyInto<nv>(rate + nv, acceleration, sum);
+  return sum == 0;
 }
 
 // A x = b by elimination with partial pivoting; b is the last column. False: a pivot is zero.
@@ -115,20 +126,37 @@ template <int count> [[gnu::always_inline]] inline bool eliminate(double (&a)[co
 
 // L and 1/Δ of the mass matrix: those kept, or new ones.
 template <int nv> struct SmallSystem::Factor {
-  const double *factor, *inverse;
   bool good = true;
 
-  Factor(const SmallSystem &system, const ModelEvaluation &at) : factor(system.factor_), inverse(system.inverse_) {
-    if (system.factorRevision_ == at.parameterRevision())
+  Factor(const SmallSystem &system, const ModelEvaluation &at) : factor_(system.factor_), inverse_(system.inverse_) {
+    if (system.factorRevision_ == at.parameterRevision()) {
+      isDiagonal_ = system.isDiagonal_;
       return;
+    }
     good = factorise<nv>(at.massMatrix.data(), own_, ownInverse_);
-    factor = own_;
-    inverse = ownInverse_;
+    factor_ = own_;
+    inverse_ = ownInverse_;
   }
   Factor(const Factor &) = delete;
   Factor &operator=(const Factor &) = delete;
 
+  // x ← M⁻¹ x
+  [[gnu::always_inline]] void divide(double (&x)[nv]) const {
+    if (!isDiagonal_)
+      for (int i = 1; i < nv; ++i)
+        for (int j = 0; j < i; ++j)
+          x[i] -= factor_[i * nv + j] * x[j];
+    for (int i = 0; i < nv; ++i)
+      x[i] *= inverse_[i];
+    if (!isDiagonal_)
+      for (int i = nv - 1; i > 0; --i)
+        for (int j = 0; j < i; ++j)
+          x[j] -= factor_[i * nv + j] * x[i];
+  }
+
 private:
+  const double *factor_, *inverse_;
+  bool isDiagonal_ = false;  // L is the unit matrix
   double own_[nv * nv], ownInverse_[nv];
 };
 
@@ -145,13 +173,13 @@ template <int nv, int count> struct SmallSystem::Equations {
         column[c][k] = system.active_[c].jacobian[k];
       if (system.active_[c].slip.jacobian != nullptr)
         addSlip<nv>(system.active_[c].slip, column[c]);
-      divide<nv>(mass.factor, mass.inverse, column[c]);
+      mass.divide(column[c]);
     }
     for (int k = 0; k < nv; ++k)
       column[count][k] = at.force[k];
     for (const SlippingRow &slip : system.slipping_)
       addSlip<nv>(slip, column[count]);
-    divide<nv>(mass.factor, mass.inverse, column[count]);
+    mass.divide(column[count]);
     if constexpr (count > 0) {
       double matrix[count][count + 1];
       for (int r = 0; r < count; ++r) {
@@ -180,7 +208,7 @@ template <int nv, int count> struct SmallSystem::Equations {
       for (int c = 0; c < count; ++c) {
         for (int k = 0; k < nv; ++k)
           column[c][k] = system.active_[c].jacobian[k];
-        divide<nv>(mass.factor, mass.inverse, column[c]);
+        mass.divide(column[c]);
       }
       for (int r = 0; r < count; ++r) {
         for (int c = 0; c < count; ++c)
@@ -204,6 +232,7 @@ template <int nv> void SmallSystem::useSize() {
   static constexpr Correct corrections[] = {Equations<nv, 0>::correct, Equations<nv, 1>::correct, Equations<nv, 2>::correct,
                                             Equations<nv, 3>::correct};
   solve_ = solves[active_.size()];
+  giveRates_ = copyRates<nv>;
   correct_ = corrections;
 }
 
@@ -225,7 +254,10 @@ bool SmallSystem::start(const ModelEvaluation &at) {
     return false;
   (this->*sizes[model.nv - 1])();
   factorRevision_ = model.mass_is_constant != 0 ? at.parameterRevision() : -1;
-  return factorRevision_ < 0 || factorisations[model.nv - 1](at.massMatrix.data(), factor_, inverse_);
+  if (factorRevision_ < 0)
+    return true;
+  isDiagonal_ = isDiagonal(at.massMatrix.data(), model.nv);
+  return factorisations[model.nv - 1](at.massMatrix.data(), factor_, inverse_);
 }
 
 }  // namespace tf::runtime

@@ -35,6 +35,11 @@ public:
     return solve_(*this, at, unknowns, acceleration, determinant);
   }
 
+  // rate = (v, acceleration) [2 nv], of a model whose coordinates' rates are its velocities. False: a value is not finite.
+  bool giveRates(const double *velocity, const double *acceleration, double *rate) const {
+    return giveRates_(velocity, acceleration, rate);
+  }
+
   // change += M⁻¹ Jᵀ (J M⁻¹ Jᵀ)⁻¹ residual over the first `count` active rows: the smallest change in the metric of M. False: as `solve`.
   bool correct(const ModelEvaluation &at, int count, const double *residual, double *change) const {
     return correct_[count](*this, at, residual, change);
@@ -44,6 +49,7 @@ private:
   template <int nv> struct Factor;
   template <int nv, int count> struct Equations;
   using Solve = bool (*)(const SmallSystem &, const ModelEvaluation &, double *, double *, double &);
+  using GiveRates = bool (*)(const double *, const double *, double *);
   using Correct = bool (*)(const SmallSystem &, const ModelEvaluation &, const double *, double *);
   template <int nv> void useSize();
 
@@ -51,7 +57,9 @@ private:
   std::vector<SlippingRow> slipping_;
   long long factorRevision_ = -1;                                                       // the parameters of factor_; −1: M is not constant
   double factor_[mostVelocities * mostVelocities] = {}, inverse_[mostVelocities] = {};  // of a constant M: L by rows, 1/Δ
+  bool isDiagonal_ = false;                                                             // the constant M is diagonal
   Solve solve_ = nullptr;
+  GiveRates giveRates_ = nullptr;
   const Correct *correct_ = nullptr;  // by the number of rows
 };
 
