@@ -40,7 +40,7 @@ Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      change_(at_.model().nv), moment_(at_.model().nv) {
+      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv) {
   reset();
 }
 
@@ -59,7 +59,8 @@ void RestPrediction::forget() {
 void RestPrediction::restart() {
   forget();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
-  bouncesLow_ = false;
+  std::fill(lastTime_.begin(), lastTime_.end(), lastImpact_);
+  std::fill(lowUntil_.begin(), lowUntil_.end(), lastImpact_);
   wait_ = shortestWait;
   pause_ = passed_ = 0;
 }
@@ -78,17 +79,19 @@ void RestPrediction::read(const double *numbers) {
 
 // False where it is too early for a prediction.
 bool RestPrediction::recordImpact(double time, const std::vector<Approach> &approaches) {
-  bouncesLow_ = false;
+  // A contact whose bounces are shorter than those of others, in an accumulation within theirs, says nothing about these.
+  constexpr double intervals = 3;
   bool slowed = false;
   for (const auto &[contact, speed] : approaches) {
     double &fastest = fastest_[contact];
     last_[contact] = speed;
     fastest = std::max(fastest, speed);
     slowed = slowed || speed <= early * fastest;
-    bouncesLow_ = bouncesLow_ || speed <= low * fastest;
+    const double own = std::isfinite(lastTime_[contact]) ? time - lastTime_[contact] : 0;
+    lowUntil_[contact] = speed <= low * fastest ? time + intervals * own : -std::numeric_limits<double>::infinity();
+    lastTime_[contact] = time;
   }
   const double interval = time - lastImpact_;
-  interval_ = std::isfinite(interval) ? interval : 0;
   lastImpact_ = time;
   if (!(++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval)))
     return false;
@@ -96,8 +99,12 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
 }
 
 bool RestPrediction::bouncesLow(double time) const {
-  constexpr double intervals = 3;
-  return bouncesLow_ && time <= lastImpact_ + intervals * interval_;
+  return std::any_of(lowUntil_.begin(), lowUntil_.end(), [time](double end) { return time <= end; });
+}
+
+void RestPrediction::endBounces(const std::vector<int> &contacts) {
+  for (const int i : contacts)
+    lowUntil_[i] = -std::numeric_limits<double>::infinity();
 }
 
 // Contacts that touch or have bounced take part; others are added where they may close on the way.

@@ -46,10 +46,10 @@ public:
   const RestPoint *afterImpact(double time, const std::vector<Approach> &approaches, const double *state, double tolerance,
                                const double *scale, Sensitivities *sensitivities);
 
-  // The contacts of the last impact have become slow, compared with their fastest impacts, and the next one is still to be expected.
+  // The last impact of a contact was slow, compared with its fastest one, and its next one is still to be expected.
   [[nodiscard]] bool bouncesLow(double time) const;
-  // The contacts have come to rest.
-  void endBounces() { bouncesLow_ = false; }
+  // These contacts have come to rest.
+  void endBounces(const std::vector<int> &contacts);
 
   // What continuation depends on: numberCount() numbers; reading them implies restart().
   [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 1; }
@@ -99,13 +99,12 @@ private:
   RestPoint point_;                             // extrapolated
   std::vector<double> extrapolated_;            // its state and time; empty where there is none
   std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
-  bool bouncesLow_ = false;
-  double interval_ = 0;                      // between the last two impacts
-  double impacts_ = 0;                       // number
-  double lastImpact_ = 0, nextAttempt_ = 0;  // times
-  int pause_ = 0, passed_ = 0;               // impacts that are let pass before the next attempt, and those that have
-  double wait_ = 0;                          // of the last attempt without a prediction, in intervals between impacts
-  std::vector<double> change_, moment_;      // workspaces
+  std::vector<double> lastTime_, lowUntil_;     // nc: of their last impact, and when its low bounces are over
+  double impacts_ = 0;                          // number
+  double lastImpact_ = 0, nextAttempt_ = 0;     // times
+  int pause_ = 0, passed_ = 0;                  // impacts that are let pass before the next attempt, and those that have
+  double wait_ = 0;                             // of the last attempt without a prediction, in intervals between impacts
+  std::vector<double> change_, moment_;         // workspaces
 };
 
 }  // namespace tf::runtime

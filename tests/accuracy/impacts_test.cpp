@@ -443,6 +443,38 @@ end WheelWithLever;
     }
 }
 
+// The upper of two discs in a groove hops on the lower one, and between any two hops the lower one bounces between the walls until it
+// rests: the hops go on, ever lower, however many bounces have come to their end in between.
+TEST(Impacts, HopsAboveBouncesAccumulate) {
+  const std::string file = sourceFile("discs_in_groove.tf", R"(
+model DiscsInGroove
+  parameter Real m = 1, R = 0.1, g = 9.81, mu = 0.15, e = 0.2, a = 0.9;
+  coordinate Real x[2](start = {0.01, -0.02}), y[2](start = {0.25, 0.48}), phi[2];
+  Real d = sqrt((x[2] - x[1])^2 + (y[2] - y[1])^2);
+  Real nx = (x[2] - x[1])/d, ny = (y[2] - y[1])/d;
+  body disc[2](each mass = m, position = {{x[i], y[i]} for i in 1:2}, angle = phi, each inertia = m*R^2/2);
+  gravity weight(acceleration = {0, -g});
+  contact right[2](gap = {-x[i]*sin(a) + y[i]*cos(a) - R for i in 1:2},
+                   slip = {der(x[i])*cos(a) + der(y[i])*sin(a) + R*der(phi[i]) for i in 1:2}, each friction = mu, each restitution = e);
+  contact left[2](gap = {x[i]*sin(a) + y[i]*cos(a) - R for i in 1:2},
+                  slip = {der(x[i])*cos(a) - der(y[i])*sin(a) + R*der(phi[i]) for i in 1:2}, each friction = mu, each restitution = e);
+  contact touch(gap = d - 2*R, slip = -ny*(der(x[2]) - der(x[1])) + nx*(der(y[2]) - der(y[1])) - R*(der(phi[1]) + der(phi[2])),
+                friction = mu, restitution = e);
+end DiscsInGroove;
+)");
+  CompiledModel reference(file);
+  reference.tolerance(1e-11).run(1.5);
+  for (const tf_integrator integrator : kIntegrators)
+    for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator).run(1.5);
+      EXPECT_LT(model.events().size(), 1200) << integrator << ' ' << tolerance;
+      EXPECT_GT(tf_get_statistics(model.simulation())->worst_gap, -1e-9) << integrator << ' ' << tolerance;
+      for (const char *variable : {"x[1]", "y[1]", "phi[1]", "x[2]", "y[2]", "phi[2]"})
+        EXPECT_NEAR(model[variable], reference[variable], 10 * tolerance) << integrator << ' ' << tolerance << ' ' << variable;
+    }
+}
+
 // What slides slowly, with or without friction, is not what an impact elsewhere has shaken, whatever the tolerance is.
 TEST(Impacts, LeaveSlowSlipsAsTheyAre) {
   const std::string file = sourceFile("creepers.tf", R"(
