@@ -11,6 +11,11 @@ LinearCollocation::LinearCollocation(std::vector<double> nodes, int size, int co
     const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, node));
     coefficients_.insert(coefficients_.end(), row.begin(), row.end());
   }
+  std::vector<long double> atBegin(nodes_.size(), 0), atEnd(nodes_.size(), 1);  // x^k there
+  atBegin.front() = 1;
+  beginWeights_ = interpolatoryWeights(nodes_, atBegin);
+  endWeights_ = interpolatoryWeights(nodes_, atEnd);
+  rates_.assign(nodes_.size(), product_);
   const Eigen::Index rows = static_cast<Eigen::Index>(stages) * size;
   system_.resize(rows, rows);
   right_.resize(rows, columns);
@@ -40,9 +45,22 @@ void LinearCollocation::step(double h, const std::vector<Eigen::MatrixXd> &slope
   for (std::size_t j = 0; j < stages; ++j) {
     auto stage = increments_.middleRows(static_cast<Eigen::Index>(j) * n, n);
     stage += begin;
-    product_.noalias() = slopes[j] * stage;
-    end += h * weights_[j] * (product_ + offsets[j]);
+    rates_[j].noalias() = slopes[j] * stage;
+    rates_[j] += offsets[j];
+    end += h * weights_[j] * rates_[j];
   }
+}
+
+void LinearCollocation::extrapolate(const std::vector<double> &weights, Eigen::MatrixXd &rate) const {
+  rate = weights.front() * rates_.front();
+  for (std::size_t j = 1; j < rates_.size(); ++j)
+    rate += weights[j] * rates_[j];
+}
+
+void LinearCollocation::largestRate(Eigen::MatrixXd &rate) const {
+  rate = rates_.front().cwiseAbs();
+  for (const Eigen::MatrixXd &other : rates_)
+    rate = rate.cwiseMax(other.cwiseAbs());
 }
 
 }  // namespace tf::runtime

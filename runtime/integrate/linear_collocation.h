@@ -17,10 +17,18 @@ public:
   // From S at the interval's begin to S at its end, of length h, with A_j and b_j at the first of the nodes; `end` is not `begin`.
   void step(double h, const std::vector<Eigen::MatrixXd> &slopes, const std::vector<Eigen::MatrixXd> &offsets, const Eigen::MatrixXd &begin,
             Eigen::MatrixXd &end);
+  // Of the last step: the polynomial through S' at the nodes, at the begin or at the end of the interval.
+  void rateAtBegin(Eigen::MatrixXd &rate) const { extrapolate(beginWeights_, rate); }
+  void rateAtEnd(Eigen::MatrixXd &rate) const { extrapolate(endWeights_, rate); }
+  // Of the last step: the largest |S'| at the nodes, entry by entry.
+  void largestRate(Eigen::MatrixXd &rate) const;
 
 private:
-  std::vector<double> nodes_, weights_, coefficients_;
+  void extrapolate(const std::vector<double> &weights, Eigen::MatrixXd &rate) const;
+
+  std::vector<double> nodes_, weights_, coefficients_, beginWeights_, endWeights_;
   Eigen::MatrixXd system_, right_, increments_, product_;
+  std::vector<Eigen::MatrixXd> rates_;  // S' at the nodes
   Eigen::PartialPivLU<Eigen::MatrixXd> factor_;
 };
 

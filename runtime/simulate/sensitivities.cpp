@@ -37,7 +37,9 @@ Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instan
   slopes_.assign(damped_.nodes().size(), Eigen::MatrixXd(n_, n_));
   offsets_.assign(damped_.nodes().size(), matrix_);
   jacobian_.resize(full, full);
-  undamped_ = next_ = matrix_;
+  undamped_ = next_ = allowed_ = visible_ = rateAt_ = matrix_;
+  for (Border *border : {&begin_, &end_})
+    *border = {slopes_.front(), matrix_, false};
   still_.assign(static_cast<std::size_t>(n_), 0.0);
   point_.resize(state_.size());
 }
@@ -183,21 +185,35 @@ bool Sensitivities::differenceRate(const Column &column, double time, const doub
   return isGood;
 }
 
-// A and b at the nodes of a piece of the integrator's last step.
+bool Sensitivities::evaluate(SmoothIntegrator &integrator, double time) {
+  integrator.interpolate(time, state_.data());
+  return dynamics_.evaluate(time, state_.data(), rate_.data());
+}
+
+// A and b at the point of the last evaluation.
+bool Sensitivities::linearise(double time, Eigen::MatrixXd &slope, Eigen::MatrixXd &offset) {
+  if (!dynamics_.jacobian(time, state_.data(), jacobian_.data()))
+    return false;
+  slope = jacobian_.topLeftCorner(n_, n_);
+  return inhomogeneity(time, state_.data(), slope, offset);
+}
+
+// At the nodes of a piece of the integrator's last step.
 bool Sensitivities::sample(SmoothIntegrator &integrator, double begin, double length) {
   for (std::size_t k = 0; k < damped_.nodes().size(); ++k) {
     const double time = begin + damped_.nodes()[k] * length;
-    integrator.interpolate(time, state_.data());
-    if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
+    if (!evaluate(integrator, time))
       return false;
     isShareUnknown_ = dynamics_.isShareUnknown();
-    if (isShareUnknown_ || !dynamics_.jacobian(time, state_.data(), jacobian_.data()))
-      return false;
-    slopes_[k] = jacobian_.topLeftCorner(n_, n_);
-    if (!inhomogeneity(time, state_.data(), slopes_[k], offsets_[k]))
+    if (isShareUnknown_ || !linearise(time, slopes_[k], offsets_[k]))
       return false;
   }
   return true;
+}
+
+// At the begin or end of a piece; it need not be known there.
+void Sensitivities::sampleBorder(SmoothIntegrator &integrator, double time, Border &border) {
+  border.isKnown = evaluate(integrator, time) && !dynamics_.isShareUnknown() && linearise(time, border.slope, border.offset);
 }
 
 // Of the rate's differences at the last node, over a piece, for differences by one: 1e-16 of the terms that the rate is the sum of.
@@ -208,40 +224,91 @@ Eigen::VectorXd Sensitivities::rounding(double length) const {
   return std::numeric_limits<double>::epsilon() * terms.cwiseQuotient((1 / length + slope.diagonal().cwiseAbs().array()).matrix());
 }
 
-// By how much the two methods differ: relative to the tolerance of what each derivative has been up to now, or of a part of what the column
-// has; not below rounding.
-double Sensitivities::pieceError(const IntegratorSettings &settings, double length) {
+// What each derivative may be wrong by over a piece: the tolerance of what it has been up to now, or of a part of what the column has; not
+// less than rounding.
+void Sensitivities::allowErrors(const IntegratorSettings &settings, double length) {
   constexpr double part = 1e-3, solutionRounding = 1e-14, margin = 10;
   const Eigen::Map<const Eigen::VectorXd> scale(settings.scale.data(), n_);
   const Eigen::VectorXd rounded = rounding(length);
   seen_ = largest_.cwiseMax(next_.cwiseAbs());
-  double error = 0;
   for (Eigen::Index k = 0; k < next_.cols(); ++k) {
     const Column &column = columns_[static_cast<std::size_t>(k)];
     const double whole = seen_.col(k).cwiseQuotient(scale).maxCoeff();
     const double noise = column.movesModel ? margin * scaleOf(column, still_.data()) / differenceStep : 0;
+    // Rows whose terms are small may have the rounding errors of others, which go into them through M.
+    const double mixed = noise * rounded.cwiseQuotient(scale).maxCoeff();
     for (Eigen::Index i = 0; i < n_; ++i) {
-      const double allowed = settings.tolerance * std::max(seen_(i, k), part * whole * scale[i]);
-      const double resolved = noise * rounded[i] + solutionRounding * whole * scale[i];
-      if (const double difference = std::abs(next_(i, k) - undamped_(i, k)); difference > 0)
-        error = std::max(error, difference / std::max(allowed, resolved));
+      allowed_(i, k) = std::max(settings.tolerance * std::max(seen_(i, k), part * whole * scale[i]),
+                                noise * rounded[i] + solutionRounding * whole * scale[i]);
+      visible_(i, k) = std::max(allowed_(i, k), mixed * scale[i]);
     }
+  }
+}
+
+// By how much the two methods differ.
+double Sensitivities::pieceError() const {
+  double error = 0;
+  for (Eigen::Index k = 0; k < next_.size(); ++k)
+    if (const double difference = std::abs(next_(k) - undamped_(k)); difference > 0)
+      error = std::max(error, difference / allowed_(k));
+  return error;
+}
+
+// Where A or b jump inside the piece (a force that has a bend there), both methods may be wrong by as much. The polynomial through S' at
+// the nodes does not lead to S' at the borders then: of a smooth S it misses it by some q⁵ of S' where the methods' error is some q⁹. The
+// most that a jump of such a size may do, 0 where it is none.
+double Sensitivities::jumpError(double length) {
+  constexpr double smooth = 1;
+  double error = 0;
+  damped_.largestRate(largestRate_);
+  const auto compare = [&](const Border &border, const Eigen::MatrixXd &there) {
+    rateAt_.noalias() = border.slope * there;
+    for (Eigen::Index k = 0; k < there.size(); ++k) {
+      const double miss = length * std::abs(rateAt_(k) + border.offset(k) - extrapolated_(k));
+      if (miss > visible_(k) && miss * miss > smooth * allowed_(k) * length * largestRate_(k))
+        error = std::max(error, miss / visible_(k));
+    }
+  };
+  if (begin_.isKnown) {
+    damped_.rateAtBegin(extrapolated_);
+    compare(begin_, matrix_);
+  }
+  if (end_.isKnown) {
+    damped_.rateAtEnd(extrapolated_);
+    compare(end_, next_);
   }
   return error;
 }
 
+// A piece's length from its errors, relative to what is allowed. A jump's error is of order 1.
+double Sensitivities::nextPiece(double length, double error, double jump) {
+  constexpr double order = 9, shortest = 0.05, longest = 5, safety = 0.9;
+  const double factor = safety * std::pow(error, -1 / order);
+  return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longest);
+}
+
 bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   // Of oscillations both methods' errors have the same sign, and their difference is a fifth of them.
-  constexpr double likeness = 5, order = 9, smallest = 1e-8;
+  constexpr double likeness = 5, smallest = 1e-8;
+  // A jump is found in fewer divisions; what goes on jumping is rounding.
+  constexpr int mostDivisions = 100;
   const double h = integrator.endTime() - integrator.beginTime();
   if (!(h > 0) || columns_.empty() || n_ == 0)
     return true;
   const IntegratorSettings &settings = integrator.settings();
   const bool isControlled = settings.fixedStep <= 0;
+  // Friction that turns with a slip of two components is steep where that is small, which the methods' difference shows.
+  bool watchesJumps = isControlled && dynamics_.turningSlipCount() == 0;
+  int divisions = 0;
   largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
+  begin_.isKnown = end_.isKnown = false;
+  if (watchesJumps)
+    sampleBorder(integrator, integrator.beginTime(), begin_);
   for (double time = integrator.beginTime(), left = h; left > 0; left = integrator.endTime() - time) {
     double length = isControlled && piece_ > 0 && piece_ < left ? piece_ : left;
     while (true) {
+      if (watchesJumps)
+        sampleBorder(integrator, time + length, end_);
       if (!sample(integrator, time, length))
         return false;
       damped_.step(length, slopes_, offsets_, matrix_, next_);
@@ -250,14 +317,18 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
       if (!isControlled)
         break;
       gauss_.step(length, slopes_, offsets_, matrix_, undamped_);
-      const double error = likeness * pieceError(settings, length);
-      piece_ = length * std::clamp(0.9 * std::pow(error, -1 / order), 0.05, 5.0);
-      if (error <= 1 || length <= smallest * h)
+      allowErrors(settings, length);
+      const double error = likeness * pieceError(), jump = watchesJumps ? jumpError(length) : 0;
+      piece_ = nextPiece(length, error, jump);
+      if (std::max(error, jump) <= 1 || length <= smallest * h)
         break;
       length = std::max(std::min(piece_, 0.9 * length), smallest * h);
+      divisions += jump > 1 ? 1 : 0;
+      watchesJumps = watchesJumps && divisions < mostDivisions;
     }
     time = length < left ? time + length : integrator.endTime();
     std::swap(matrix_, next_);
+    std::swap(begin_, end_);
     largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   }
   return true;
@@ -285,11 +356,25 @@ bool Sensitivities::eventTimes(double time, const double *state, const double *r
       shift(*column, 0);
     return isGood;
   };
-  double largest = 1;
-  for (int i = 0; i < n_; ++i)
-    largest = std::max(largest, std::abs(rate[i]) / std::max(1.0, std::abs(state[i])));
-  double slope = 0;
-  if (!along(1, rate, nullptr, largest, slope) || !(std::abs(slope) > 1e-9 * largest * dynamics_.guards()[guard].scale))
+  double slope = 0, rounding = 0;  // of the guard, by time
+  const Guard &which = dynamics_.guards()[guard];
+  if (which.kind == GuardKind::Gap) {
+    // Impacts that accumulate are slow in the end.
+    const int nq = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
+    if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
+      return false;
+    (void)dynamics_.guardValue(guard);
+    slope = dynamics_.model().gapRate[which.index];
+    rounding = 1e-13 * std::max(1.0, Eigen::Map<const Eigen::VectorXd>(state + nq, nv).lpNorm<Eigen::Infinity>());
+  } else {
+    double largest = 1;
+    for (int i = 0; i < n_; ++i)
+      largest = std::max(largest, std::abs(rate[i]) / std::max(1.0, std::abs(state[i])));
+    if (!along(1, rate, nullptr, largest, slope))
+      return false;
+    rounding = 1e-9 * largest * which.scale;
+  }
+  if (!(std::abs(slope) > rounding))
     return false;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);

@@ -79,8 +79,20 @@ private:
   // d/ds at s = 0 of `function`(s, values), by central differences, or one-sided ones where one side cannot be evaluated.
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
+  // A and b at an end of a piece.
+  struct Border {
+    Eigen::MatrixXd slope, offset;
+    bool isKnown = false;
+  };
+
+  bool evaluate(SmoothIntegrator &integrator, double time);
+  bool linearise(double time, Eigen::MatrixXd &slope, Eigen::MatrixXd &offset);
   bool sample(SmoothIntegrator &integrator, double begin, double length);
-  [[nodiscard]] double pieceError(const IntegratorSettings &settings, double length);
+  void sampleBorder(SmoothIntegrator &integrator, double time, Border &border);
+  void allowErrors(const IntegratorSettings &settings, double length);
+  [[nodiscard]] double pieceError() const;
+  [[nodiscard]] double jumpError(double length);
+  [[nodiscard]] static double nextPiece(double length, double error, double jump);
   [[nodiscard]] Eigen::VectorXd rounding(double length) const;
   [[nodiscard]] auto image(const Map &map) const;
   bool mapColumns(const Map &map, double time, const double *state);
@@ -111,9 +123,11 @@ private:
   Eigen::MatrixXd largest_, seen_;  // n × columns: |S| up to now; with that of the piece
   bool isShareUnknown_ = false, hasMoved_ = false;
   double piece_ = 0;  // length of the next one that its error suggests; 0: none
-  // workspaces of addStep: A and b at the nodes, the Jacobian with τ, S at the end by either method
+  // workspaces of addStep: A and b at the nodes and the ends, the Jacobian with τ, S at the end by either method and what it may be wrong
+  // by, S' at the ends and by extrapolation, and the largest
   std::vector<Eigen::MatrixXd> slopes_, offsets_;
-  Eigen::MatrixXd jacobian_, undamped_, next_;
+  Border begin_, end_;
+  Eigen::MatrixXd jacobian_, undamped_, next_, allowed_, visible_, rateAt_, extrapolated_, largestRate_;
   std::vector<double> still_, point_;
   // of slips of two components: their values, by velocities, and the velocities that make up for a change of them
   Eigen::VectorXd slips_, slipChange_;

@@ -1,5 +1,6 @@
 // Sensitivities across impacts, stick and slip: against closed forms, and against differences of whole runs.
 #include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/each_integrator.h"
 
 #include <cmath>
 #include <functional>
@@ -118,6 +119,25 @@ end CrossedBelt;
       EXPECT_NEAR(sensitivity(model, "x[1]", 0), end - 0.5 * stop - 0.5 * u * byBelt, 1e-9) << integrator << ", " << tolerance;
       EXPECT_NEAR(sensitivity(model, "x[2]", 0), 0.5 * v * byBelt, 1e-9) << integrator << ", " << tolerance;
     }
+}
+
+// A force with a bend, which is no event: its derivative jumps inside a step, at a time that is as wrong as the state. x = cos(2ωt) until
+// π/(4ω), then −2 sin(ω(t − π/(4ω))), ω² = k/m.
+TEST(Sensitivities, OfAForceWithABendAreThoseOfTheClosedForm) {
+  const std::string file = sourceFile("bent_spring.tf", R"(
+model BentSpring
+  parameter Real k = 1;
+  coordinate Real x(start = 1);
+  body b(mass = 1, position = {x, 0});
+  force f(value = -k*noEvent(if x > 0 then 4*x else x), at = x);
+end BentSpring;
+)");
+  // At k = 1: phase = ω t − π/4 grows with ω by t.
+  const double end = 3, phase = end - std::acos(-1.0) / 4, byFrequency = -2 * end * std::cos(phase);
+  for (const double tolerance : {1e-6, 1e-8, 1e-10})
+    withEachIntegrator(
+        file, tolerance, end, [&](CompiledModel &model) { EXPECT_NEAR(sensitivity(model, "x", 0), byFrequency / 2, 100 * tolerance); }, {},
+        [](CompiledModel &model) { differentiateBy(model, {"k"}); });
 }
 
 TEST(Sensitivities, NamesOfResultsAreRefused) {
@@ -326,6 +346,31 @@ constexpr const char *kPendulum = R"(model Pendulum "in Cartesian coordinates, a
 end Pendulum;
 )";
 
+constexpr const char *kSlot = R"(model Slot "a slider rattles in a slot: bounces accumulate at its corners"
+  parameter Real h = 0.04, c = 0.0005, mu = 0.25, e = 0.3, k = 400;
+  coordinate Real x, y, th(start = 0.002);
+  body slider(mass = 0.5, position = {x, y}, angle = th, inertia = 0.002);
+  gravity weight(acceleration = {0, -9.81});
+  potential spring(energy = k/2*((x + h*sin(th) - 0.08*sin(9*time))^2 + (y - 0.3*h)^2/10));
+  constant Real corner[2] = {-0.1, 0.1};
+  contact low[2](gap = {c + y + s*sin(th) + h*(1 - cos(th)) for s in corner},
+                 slip = {der(x) - s*sin(th)*der(th) + h*cos(th)*der(th) for s in corner}, each friction = mu, each restitution = e);
+  contact high[2](gap = {c - y - s*sin(th) + h*(1 - cos(th)) for s in corner},
+                  slip = {der(x) - s*sin(th)*der(th) - h*cos(th)*der(th) for s in corner}, each friction = mu, each restitution = e);
+end Slot;
+)";
+constexpr const char *kRamp = R"(model Ramp "a block slides off a wedge whose face bends away, without an event"
+  parameter Real a = 0.5, mu = 0.2, L = 0.6;
+  coordinate Real X, s, n;
+  Real x = X + s*cos(a) + n*sin(a), y = L*sin(a) - s*sin(a) + n*cos(a);
+  body wedge(mass = 3, position = {X, 0});
+  body block(mass = 1, position = {x, y});
+  gravity weight(acceleration = {0, -9.81});
+  contact incline(gap = n + smooth(2, if s > L then 10*(s - L)^3 else 0), slip = der(s), friction = mu);
+  contact floor(gap = y + 0.05, slip = der(x), friction = 0.4, restitution = 0.3);
+end Ramp;
+)";
+
 // A model's text, or (without spaces) the name of an example.
 std::string fileOf(const char *model) {
   const std::string text = model;
@@ -390,6 +435,8 @@ INSTANTIATE_TEST_SUITE_P(InSpace, RunDifferences,
 INSTANTIATE_TEST_SUITE_P(Landing, RunDifferences,
                          testing::Values(Case{kLanding, 0.08, "mu", 0.4, 1e-6}, Case{kLanding, 0.08, "v", 0.3, 1e-6},
                                          Case{kLanding, 0.08, "J", 0.1, 1e-6}));
+
+INSTANTIATE_TEST_SUITE_P(Bend, RunDifferences, testing::Values(Case{kRamp, 1, "mu", 0.2}, Case{kRamp, 1, "a", 0.5}));
 
 INSTANTIATE_TEST_SUITE_P(Constrained, RunDifferences, testing::Values(Case{kPendulum, 2, "angle", 1.2}, Case{kPendulum, 2, "L", 1}));
 
@@ -519,7 +566,7 @@ INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
                          testing::Values(Case{"bouncing_ball.tf", 6, "e", 0.8}, Case{"rocking_block.tf", 3, "tilt", -0.2},
                                          Case{"rocking_block.tf", 3, "b", 0.2}, Case{kSkipping, 3, "e", 0.6},
                                          Case{kSkipping, 3, "mu", 0.05}, Case{kSkipping, 3, "h", 1}, Case{kBouncing, 2, "e", 0.5},
-                                         Case{kBouncing, 2, "h", 0.3}));
+                                         Case{kBouncing, 2, "h", 0.3}, Case{kSlot, 1, "mu", 0.25}, Case{kSlot, 1, "e", 0.3}));
 
 // y = 1: the ball rests at t = sqrt(2/g) (1 + e)/(1 − e).
 TEST(Sensitivities, OfTheTimeOfRestAreThoseOfTheClosedForm) {
