@@ -147,6 +147,7 @@ private:
   bool samplesVarying_ = false;  // event_sampling.cpp looks for the zeros of those in this step
   double probeStep_ = 0;         // of differences of guards
   int divisions_ = 0;            // of the step, for one guard
+  bool wasPositive_ = false;     // that guard, before the step
   double limit_ = 0;             // later zeros are not looked for
   bool watched_ = false;         // a gap has not left zero yet
   bool cut_ = false;             // see isCut

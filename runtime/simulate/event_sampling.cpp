@@ -67,6 +67,7 @@ void EventDetection::examineVarying(DetectedEvent &first) {
       continue;
     DetectedEvent own;
     divisions_ = 0;
+    wasPositive_ = starts_[guard].armed == Arming::ByValue;
     limit_ = first.guard >= 0 ? first.time : std::numeric_limits<double>::infinity();
     const Probe a = probe(guard, begin_.time), b = probe(guard, end_.time);
     divide(guard, a, b, std::numeric_limits<double>::infinity(), 0, own);
@@ -105,11 +106,12 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
     const double least = std::abs(low->value) <= leave && low->rate > 0 ? part.leastSecant() : lowest - zero;
     if ((isResolved && least > error) || lowest - zero > 5 * (reach + misfit))
       continue;
-    // Below zero, if the guard has been positive; else clearly.
-    const bool falls = high->value < zero && (zero < 0 || low->value > leave || high->value < -leave);
+    // Below zero, if the guard has been positive, as it may have been before the step, which may begin within rounding of the zero; else
+    // clearly.
+    const bool comesFromAbove = zero < 0 || low->value > leave || wasPositive_;
+    const bool falls = high->value < zero && (comesFromAbove || high->value < -leave);
     const bool isOnlyZero = isResolved && low->value > 0.1 * part.length * low->rate &&
-                            error <= 0.1 * std::max(std::abs(low->value), std::abs(high->value)) && (zero < 0 || low->value > leave) &&
-                            !(interior < zero);
+                            error <= 0.1 * std::max(std::abs(low->value), std::abs(high->value)) && comesFromAbove && !(interior < zero);
     if (falls && (isOnlyZero || isFinest)) {
       bracketProbes(guard, *low, *high, first);
       return;

@@ -203,6 +203,28 @@ end Signal;
   withEachIntegrator(file, 1e-9, 0.2, [&](CompiledModel &model) { EXPECT_EQ(model.events().size(), 32U); }, {}, prepare);
 }
 
+// The push beats friction at t = 2; a step that begins less than rounding before that finds the same zero, without a search for others.
+TEST(VaryingForces, EndAtTheirZeroHoweverNearItAStepBegins) {
+  const std::string file = sourceFile("pushed.tf", R"(
+model Pushed
+  coordinate Real x, y;
+  body block(mass = 1, position = {x, y});
+  gravity weight(acceleration = {0, -10});
+  force push(value = 5*time + sin(20*(time - 2))/100, at = x);
+  contact floor(gap = y, slip = der(x), friction = 1);
+end Pushed;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double before : {1e-9, 3e-10, 1e-10}) {
+      CompiledModel model(file);
+      model.tolerance(1e-9).integrator(integrator).initialise();
+      model.advance(2 - before);
+      model.advance(2.5);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_SLIP), 2, 1e-12) << integrator << ", " << before;
+      EXPECT_LT(tf_get_statistics(model.simulation())->evaluations, 5000) << integrator << ", " << before;
+    }
+}
+
 // A bar that turns through up to 100 rad in a step strikes a post of radius 0.1 at its tip's radius 1 and turns back, 2π − 4 asin(0.05)
 // each time.
 TEST(NarrowPosts, AreNotPassedByInLongSteps) {
