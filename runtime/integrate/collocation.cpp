@@ -47,6 +47,15 @@ std::vector<long double> integralMoments(int count, long double end, long double
   return moments;
 }
 
+std::vector<double> collocationCoefficients(const std::vector<double> &nodes) {
+  std::vector<double> coefficients;
+  for (const double node : nodes) {
+    const std::vector<double> row = interpolatoryWeights(nodes, integralMoments(static_cast<int>(nodes.size()), node));
+    coefficients.insert(coefficients.end(), row.begin(), row.end());
+  }
+  return coefficients;
+}
+
 std::vector<double> gaussNodes() {
   const double inner = std::sqrt(3.0 / 7 - 2.0 / 7 * std::sqrt(6.0 / 5)), outer = std::sqrt(3.0 / 7 + 2.0 / 7 * std::sqrt(6.0 / 5));
   return {0.5 * (1 - outer), 0.5 * (1 - inner), 0.5 * (1 + inner), 0.5 * (1 + outer)};

@@ -17,6 +17,9 @@ struct Quadrature {
 // Moments of the integral from 0 to `end`, less gamma times the value at 0.
 [[nodiscard]] std::vector<long double> integralMoments(int count, long double end, long double gamma = 0);
 
+// a_ij of collocation at these nodes, row by row: the integrals from 0 to x_i of the polynomials that are 1 at x_j and 0 at the others.
+[[nodiscard]] std::vector<double> collocationCoefficients(const std::vector<double> &nodes);
+
 // Zeros of P_s − P_{s−1} (Legendre polynomials on [0, 1]), ascending, the last one 1; 1 ≤ stages ≤ 4.
 [[nodiscard]] std::vector<double> radauNodes(int stages);
 

@@ -4,13 +4,10 @@
 
 namespace tf::runtime {
 
-LinearCollocation::LinearCollocation(std::vector<double> nodes, int size, int columns) : nodes_(std::move(nodes)), product_(size, columns) {
+LinearCollocation::LinearCollocation(std::vector<double> nodes, int size, int columns)
+    : nodes_(std::move(nodes)), coefficients_(collocationCoefficients(nodes_)), product_(size, columns) {
   const int stages = static_cast<int>(nodes_.size());
   weights_ = interpolatoryWeights(nodes_, integralMoments(stages, 1));
-  for (const double node : nodes_) {
-    const std::vector<double> row = interpolatoryWeights(nodes_, integralMoments(stages, node));
-    coefficients_.insert(coefficients_.end(), row.begin(), row.end());
-  }
   std::vector<long double> atBegin(nodes_.size(), 0), atEnd(nodes_.size(), 1);  // x^k there
   atBegin.front() = 1;
   beginWeights_ = interpolatoryWeights(nodes_, atBegin);

@@ -11,24 +11,13 @@ namespace tf::runtime {
 
 namespace {
 
-// a_ij, row by row.
-std::vector<double> radauCoefficients(int stages) {
-  const std::vector<double> nodes = radauNodes(stages);
-  std::vector<double> coefficients;
-  for (const double node : nodes) {
-    const std::vector<double> row = interpolatoryWeights(nodes, integralMoments(stages, node));
-    coefficients.insert(coefficients.end(), row.begin(), row.end());
-  }
-  return coefficients;
-}
-
 // γ of the error estimate h [γ f0 + Σ (b̂_i − b_i) F_i] of order h^(s+1) (Hairer, Wanner II, (IV.8.17)).
 double errorCoefficient(int stages) { return 1.0 / (stages * stages); }
 
 }  // namespace
 
 Radau::Radau(int size, int stages, Accuracy accuracy)
-    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), coefficients_(radauCoefficients(stages)),
+    : ElementMethod(size), stages_(stages), nodes_(radauNodes(stages)), coefficients_(collocationCoefficients(nodes_)),
       stage_(static_cast<std::size_t>(size) * stages), rate_(stage_.size()), begin_(size), point_(size), pastBegin_(size),
       pastStage_(stage_.size()), turning_(size, coefficients_), errorTurning_(size, {errorCoefficient(stages)}), residual_(size * stages) {
   assert(stages >= 1 && stages <= 4);
@@ -351,8 +340,9 @@ bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const dou
   if (!stiff_ && !turns)
     outcome = fixedPoint(dynamics, t0, h, scale, accuracy);
   if (outcome != Iteration::Converged) {
-    outcome = turns ? solveTurning(dynamics, t0, h, scale, f0, accuracy) : Iteration::Failed;
-    if (!turns) {
+    if (turns) {
+      outcome = solveTurning(dynamics, t0, h, scale, f0, accuracy);
+    } else {
       linearisation_ = Linearisation::Full;
       predictAlongTangent(h, f0);
       outcome = newton(dynamics, t0, h, scale, accuracy);

@@ -9,15 +9,7 @@
 namespace tf::runtime {
 namespace {
 
-std::vector<double> radauCoefficients(int stages) {
-  const std::vector<double> nodes = radauNodes(stages);
-  std::vector<double> coefficients;
-  for (const double node : nodes) {
-    const std::vector<double> row = interpolatoryWeights(nodes, integralMoments(stages, node));
-    coefficients.insert(coefficients.end(), row.begin(), row.end());
-  }
-  return coefficients;
-}
+std::vector<double> radauCoefficients(int stages) { return collocationCoefficients(radauNodes(stages)); }
 
 // The residual of the equations, all stages of all variables in one matrix.
 double residualOf(const std::vector<Eigen::MatrixXd> &jacobians, double h) {
