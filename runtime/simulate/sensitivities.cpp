@@ -255,17 +255,17 @@ double Sensitivities::pieceError() const {
 }
 
 // Where A or b jump inside the piece (a force that has a bend there), both methods may be wrong by as much. The polynomial through S' at
-// the nodes does not lead to S' at the borders then: of a smooth S it misses it by some q⁵ of S' where the methods' error is some q⁹. The
-// most that a jump of such a size may do, 0 where it is none.
+// the nodes does not lead to S' at the borders then. Of a smooth S it misses it by some q⁵ of S' where the methods' error, which is
+// allowed, is some q⁹: a larger miss is a jump. The most that one of this size may do, relative to what is allowed or visible; 0 where it
+// is none.
 double Sensitivities::jumpError(double length) {
-  constexpr double smooth = 1;
   double error = 0;
   damped_.largestRate(largestRate_);
   const auto compare = [&](const Border &border, const Eigen::MatrixXd &there) {
     rateAt_.noalias() = border.slope * there;
     for (Eigen::Index k = 0; k < there.size(); ++k) {
       const double miss = length * std::abs(rateAt_(k) + border.offset(k) - extrapolated_(k));
-      if (miss > visible_(k) && miss * miss > smooth * allowed_(k) * length * largestRate_(k))
+      if (miss > visible_(k) && miss * miss > allowed_(k) * length * largestRate_(k))
         error = std::max(error, miss / visible_(k));
     }
   };
@@ -307,8 +307,6 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   for (double time = integrator.beginTime(), left = h; left > 0; left = integrator.endTime() - time) {
     double length = isControlled && piece_ > 0 && piece_ < left ? piece_ : left;
     while (true) {
-      if (watchesJumps)
-        sampleBorder(integrator, time + length, end_);
       if (!sample(integrator, time, length))
         return false;
       damped_.step(length, slopes_, offsets_, matrix_, next_);
@@ -318,7 +316,13 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
         break;
       gauss_.step(length, slopes_, offsets_, matrix_, undamped_);
       allowErrors(settings, length);
-      const double error = likeness * pieceError(), jump = watchesJumps ? jumpError(length) : 0;
+      const double error = likeness * pieceError();
+      double jump = 0;
+      end_.isKnown = false;
+      if (watchesJumps && error <= 1) {
+        sampleBorder(integrator, time + length, end_);
+        jump = jumpError(length);
+      }
       piece_ = nextPiece(length, error, jump);
       if (std::max(error, jump) <= 1 || length <= smallest * h)
         break;
@@ -363,7 +367,7 @@ bool Sensitivities::eventTimes(double time, const double *state, const double *r
     const int nq = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
     if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
       return false;
-    (void)dynamics_.guardValue(guard);
+    dynamics_.model().switchingOf(which.index);
     slope = dynamics_.model().gapRate[which.index];
     rounding = 1e-13 * std::max(1.0, Eigen::Map<const Eigen::VectorXd>(state + nq, nv).lpNorm<Eigen::Infinity>());
   } else {
