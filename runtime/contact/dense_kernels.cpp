@@ -145,6 +145,59 @@ __attribute__((always_inline)) inline void reflectColumnsByTwo(const double *mat
       x[j][rest] += byV[j] * v[rest] + byW[j] * w[rest];
 }
 
+// Of the first entry with the largest magnitude.
+__attribute__((always_inline)) inline int placeOfLargest(const double *x, int count) {
+  Lanes largest{};
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    Lanes a;
+    load(a, x + k);
+    a = a < 0.0 ? -a : a;
+    largest = a > largest ? a : largest;
+  }
+  double most = 0;
+  for (int lane = 0; lane < panelLanes; ++lane)
+    most = std::max(most, largest[lane]);
+  for (; k < count; ++k)
+    most = std::max(most, std::abs(x[k]));
+  int place = 0;
+  while (place + 1 < count && !(std::abs(x[place]) >= most))
+    ++place;
+  return place;
+}
+
+// `count` columns of a size × size matrix less their parts along four columns of L, next to each other from `pivots` on, of which the first
+// one has its unit entry in row k.
+template <int count> __attribute__((always_inline)) inline void eliminateFour(const double *pivots, int k, int size, double *columns) {
+  const double *l0 = pivots, *l1 = l0 + size, *l2 = l1 + size, *l3 = l2 + size;
+  double a[count], b[count], c[count], d[count];
+  for (int j = 0; j < count; ++j) {
+    double *x = columns + static_cast<std::ptrdiff_t>(j) * size + k;
+    a[j] = x[0];
+    b[j] = x[1] -= a[j] * l0[k + 1];
+    c[j] = x[2] -= a[j] * l0[k + 2] + b[j] * l1[k + 2];
+    d[j] = x[3] -= a[j] * l0[k + 3] + b[j] * l1[k + 3] + c[j] * l2[k + 3];
+  }
+  int i = k + 4;
+  for (; i + panelLanes <= size; i += panelLanes) {
+    Lanes x0, x1, x2, x3;
+    load(x0, l0 + i);
+    load(x1, l1 + i);
+    load(x2, l2 + i);
+    load(x3, l3 + i);
+    for (int j = 0; j < count; ++j) {
+      double *place = columns + static_cast<std::ptrdiff_t>(j) * size + i;
+      Lanes rest;
+      load(rest, place);
+      rest -= (a[j] * x0 + b[j] * x1) + (c[j] * x2 + d[j] * x3);
+      store(rest, place);
+    }
+  }
+  for (; i < size; ++i)
+    for (int j = 0; j < count; ++j)
+      columns[static_cast<std::ptrdiff_t>(j) * size + i] -= (a[j] * l0[i] + b[j] * l1[i]) + (c[j] * l2[i] + d[j] * l3[i]);
+}
+
 }  // namespace
 
 TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
@@ -201,33 +254,57 @@ TF_WIDE void multiplyPanels(const double *z, const double *s, int depth, int str
     }
 }
 
+// Four rows at a time, so that those above are read once for them.
 TF_WIDE void forwardPanel(const double *factor, const std::ptrdiff_t *start, const int *first, int begin, int end, int stride, double *z) {
-  for (int j = 0; j < stride; j += panelLanes)
-    for (int i = begin + 1; i < end; ++i) {
-      const double *row = factor + start[i];
-      const auto rowOf = [=](int k) __attribute__((always_inline)) { return z + static_cast<std::ptrdiff_t>(k - begin) * stride + j; };
-      double *own = rowOf(i);
-      // Two sums: the latency of one would be waited for.
-      Lanes even{}, odd{}, x, y;
-      int k = first[i];
-      for (; k + 2 <= i; k += 2) {
-        load(x, rowOf(k));
-        load(y, rowOf(k + 1));
-        even += row[k] * x;
-        odd += row[k + 1] * y;
+  constexpr int height = 4;
+  for (int j = 0; j < stride; j += panelLanes) {
+    const auto rowOf = [=](int k) __attribute__((always_inline)) { return z + static_cast<std::ptrdiff_t>(k - begin) * stride + j; };
+    int i = begin;
+    for (; i + height <= end; i += height) {
+      const double *row[height];
+      Lanes sum[height] = {}, x;
+      // From where on all of them have entries.
+      int from = first[i];
+      for (int r = 0; r < height; ++r) {
+        row[r] = factor + start[i + r];
+        from = std::max(from, std::min(first[i + r], i));
       }
-      if (k < i) {
+      for (int r = 0; r < height; ++r)
+        for (int k = first[i + r]; k < from; ++k) {
+          load(x, rowOf(k));
+          sum[r] += row[r][k] * x;
+        }
+      for (int k = from; k < i; ++k) {
         load(x, rowOf(k));
-        even += row[k] * x;
+        for (int r = 0; r < height; ++r)
+          sum[r] += row[r][k] * x;
       }
-      load(x, own);
-      x -= even + odd;
-      store(x, own);
+      Lanes own[height];
+      for (int r = 0; r < height; ++r) {
+        load(own[r], rowOf(i + r));
+        own[r] -= sum[r];
+        for (int k = 0; k < r; ++k)
+          if (i + k >= first[i + r])
+            own[r] -= row[r][i + k] * own[k];
+        store(own[r], rowOf(i + r));
+      }
     }
+    for (; i < end; ++i) {
+      const double *row = factor + start[i];
+      Lanes sum{}, x;
+      for (int k = first[i]; k < i; ++k) {
+        load(x, rowOf(k));
+        sum += row[k] * x;
+      }
+      load(x, rowOf(i));
+      x -= sum;
+      store(x, rowOf(i));
+    }
+  }
 }
 
-// Four columns at a time, at first the square on the diagonal and then row by row what is below it: the rest of the matrix is read and
-// written once for them.
+// Four columns at a time, at first the square on the diagonal, then what is below it, and then row by row the rest of the matrix, which is
+// read and written once for them.
 TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular, double *inverse, double *work) {
   constexpr int width = 4;
   const auto row = [matrix, stride](int i) __attribute__((always_inline)) { return matrix + static_cast<std::ptrdiff_t>(i) * stride; };
@@ -254,7 +331,7 @@ TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular
       break;
     const double *factors = inverse + begin, *u0 = w0 + begin, *u1 = w1 + begin, *u2 = w2 + begin;
     for (int i = end; i < size; ++i) {
-      double *target = row(i), *own = target + begin;
+      double *own = row(i) + begin;
       const double unscaled0 = own[0], a = unscaled0 * factors[0];
       const double unscaled1 = own[1] - a * u0[1], b = unscaled1 * factors[1];
       const double unscaled2 = own[2] - a * u0[2] - b * u1[2], c = unscaled2 * factors[2];
@@ -267,6 +344,10 @@ TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular
       own[1] = b;
       own[2] = c;
       own[3] = d;
+    }
+    for (int i = end; i < size; ++i) {
+      double *target = row(i);
+      const double a = target[begin], b = target[begin + 1], c = target[begin + 2], d = target[begin + 3];
       const auto eliminate = [=]<class T>(std::type_identity<T> /*lanes*/, int j) __attribute__((always_inline)) {
         T rest, x0, x1, x2, x3;
         std::memcpy(&rest, target + j, sizeof rest);
@@ -324,13 +405,34 @@ TF_WIDE void backwardRows(const double *factor, const std::ptrdiff_t *start, con
     addOf(-x[i], factor + start[i] + first[i], x + first[i], i - first[i]);
 }
 
-TF_WIDE void eliminateColumns(double *matrix, int size, int k) {
-  const double *pivots = matrix + static_cast<std::ptrdiff_t>(k) * size;
-  for (int j = k + 1; j < size; ++j) {
-    double *column = matrix + static_cast<std::ptrdiff_t>(j) * size;
-    if (column[k] != 0)
-      addOf(-column[k], pivots + k + 1, column + k + 1, size - k - 1);
+// Four columns at a time: the rest of the matrix is read and written once for them.
+TF_WIDE bool factoriseLu(double *matrix, int size, double singular, int *pivot) {
+  constexpr int width = 4;
+  const auto columnAt = [matrix, size](int j) __attribute__((always_inline)) { return matrix + static_cast<std::ptrdiff_t>(j) * size; };
+  for (int begin = 0; begin < size; begin += width) {
+    const int end = std::min(begin + width, size);
+    for (int k = begin; k < end; ++k) {
+      double *column = columnAt(k);
+      const int best = k + placeOfLargest(column + k, size - k);
+      pivot[k] = best;
+      const double magnitude = std::abs(column[best]);
+      if (!(magnitude > singular) || !std::isfinite(magnitude))
+        return false;
+      for (int j = 0; best != k && j < size; ++j)
+        std::swap(columnAt(j)[k], columnAt(j)[best]);
+      const double inverse = 1 / column[k];
+      for (int i = k + 1; i < size; ++i)
+        column[i] *= inverse;
+      for (int j = k + 1; j < end; ++j)
+        addOf(-columnAt(j)[k], column + k + 1, columnAt(j) + k + 1, size - k - 1);
+    }
+    int j = end;
+    for (; j + 2 <= size; j += 2)
+      eliminateFour<2>(columnAt(begin), begin, size, columnAt(j));
+    if (j < size)
+      eliminateFour<1>(columnAt(begin), begin, size, columnAt(j));
   }
+  return true;
 }
 
 }  // namespace tf::runtime

@@ -46,8 +46,9 @@ int factoriseDense(double *matrix, int size, int stride, double singular, double
 // `order`, which is permuted along: the largest pivot first, until none is larger than `dependence`. Returns their number.
 int factoriseSemidefinite(double *matrix, int size, double dependence, int *order);
 
-// column_j −= column_k a_kj from row k + 1 on, for all columns j > k of a size × size matrix, column-major.
-void eliminateColumns(double *matrix, int size, int k);
+// P A = L U of a size × size matrix, column-major: U, and L below the diagonal, with row k exchanged for row pivot[k] ≥ k, one after the
+// other. False where a pivot's magnitude is not above `singular`, or not finite.
+bool factoriseLu(double *matrix, int size, double singular, int *pivot);
 
 }  // namespace tf::runtime
 

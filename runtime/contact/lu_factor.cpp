@@ -32,6 +32,8 @@ bool LuFactor::factor(double singular) {
   pivot_.resize(n);
   if (n == 2)
     return factorTwo(singular);
+  if (n >= 16)
+    return factoriseLu(lu_.data(), n, singular, pivot_.data());
   for (int k = 0; k < n; ++k) {
     double *columnK = lu_.column(k);
     int best = k;
@@ -48,10 +50,6 @@ bool LuFactor::factor(double singular) {
     const double inverse = 1 / columnK[k];
     for (int i = k + 1; i < n; ++i)
       columnK[i] *= inverse;
-    if (n >= 16) {
-      eliminateColumns(lu_.data(), n, k);
-      continue;
-    }
     for (int j = k + 1; j < n; ++j) {
       double *columnJ = lu_.column(j);
       const double factor = columnJ[k];
@@ -110,6 +108,16 @@ void LuFactor::solve(double *b) const {
     for (int i = 0; i < k; ++i)
       b[i] -= column[i] * b[k];
   }
+}
+
+void LuFactor::solveTransposed(double *b) const {
+  const int n = lu_.rows();
+  for (int k = 0; k < n; ++k)
+    b[k] = (b[k] - denseDot(lu_.column(k), b, k)) / lu_(k, k);
+  for (int k = n - 2; k >= 0; --k)
+    b[k] -= denseDot(lu_.column(k) + k + 1, b + k + 1, n - k - 1);
+  for (int k = n - 2; k >= 0; --k)
+    std::swap(b[k], b[pivot_[k]]);
 }
 
 }  // namespace tf::runtime

@@ -19,6 +19,8 @@ public:
 
   // b ← A⁻¹ b.
   void solve(double *b) const;
+  // b ← A⁻ᵀ b.
+  void solveTransposed(double *b) const;
 
   // 1/determinant as a product: of the pivots, the first one with the sign of the row exchanges; and the determinant of another matrix of
   // the same size times such a product, factor by factor.
