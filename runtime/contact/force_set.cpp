@@ -14,6 +14,8 @@ namespace {
 constexpr double singularMode = 1e-10;
 // Accepted contradiction between redundant rows: contacts that close a mechanism's last freedom do so within the accuracy of positions.
 constexpr double redundantResidual = 1e-6;
+// An active constraint depends on others where what they leave of its normal is shorter than this, relative to its length.
+constexpr double activeDependence = 1e-13;
 
 }  // namespace
 
@@ -139,6 +141,7 @@ void ForceSet::forceRates(const ContactProblem &problem, const double *accelerat
 void ForceSet::leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate,
                               const ShareRates *shares, double *forceRate) {
   view(problem);
+  solveAll();
   ContactRowData rates = rows_;
   rates.bias = accelerationRate;
   rates.offset = limitRate;
@@ -204,6 +207,7 @@ void ForceSet::shareGradient(const ShareRates &shares) {
 
 const std::vector<double> &ForceSet::shareMultipliers(const ContactProblem &problem) {
   view(problem);
+  solveAll();
   const int count = rows_.normalCount + rows_.tangentCount;
   Eigen::VectorXd equations;
   limitMultiplier_.assign(limits_.size(), 0.0);
@@ -265,30 +269,40 @@ void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
   polyhedron.bound(r) = unknown_[r] / length_[r];
 }
 
-void ForceSet::loadLimit(LeastNorm &polyhedron, int l) {
-  const int k = activeCount(), n = rows_.normalCount;
-  double *normal = polyhedron.normal(k + l);
-  std::fill_n(normal, k, 0.0);
+// Of unit length.
+ForceSet::LimitRow ForceSet::limitRow(int l) const {
+  const int n = rows_.normalCount;
   const ForceLimit &side = limits_[l];
-  const int own = equations_.position(side.row);
-  double bound = 0, length = 1 / weight_[own];
-  if (side.side == 0) {
-    normal[own] = length;
-  } else {
+  LimitRow limit;
+  limit.own = equations_.position(side.row);
+  limit.length = inverseWeight_[limit.own];
+  limit.ownEntry = side.side == 0 ? limit.length : -side.side * limit.length;
+  if (side.side != 0) {
     const int j = side.row - n, owner = rows_.owner[j];
-    normal[own] = -side.side / weight_[own];
     if (owner >= 0) {
-      const int position = equations_.position(owner);
-      normal[position] = rows_.friction[j] / weight_[position];
-      length = std::hypot(length, normal[position]);
+      limit.owner = equations_.position(owner);
+      limit.ownerEntry = rows_.friction[j] * inverseWeight_[limit.owner];
+      limit.length = std::hypot(limit.length, limit.ownerEntry);
     } else {
-      bound = -offset_[j];
+      limit.bound = -offset_[j];
     }
   }
-  for (int c = 0; c < k; ++c)
-    normal[c] /= length;
-  polyhedron.bound(k + l) = bound / length;
-  length_[k + l] = length;
+  limit.ownEntry /= limit.length;
+  limit.ownerEntry /= limit.length;
+  limit.bound /= limit.length;
+  return limit;
+}
+
+void ForceSet::loadLimit(LeastNorm &polyhedron, int l) {
+  const int k = activeCount();
+  double *normal = polyhedron.normal(k + l);
+  std::fill_n(normal, k, 0.0);
+  const LimitRow limit = limitRow(l);
+  normal[limit.own] = limit.ownEntry;
+  if (limit.owner >= 0)
+    normal[limit.owner] = limit.ownerEntry;
+  polyhedron.bound(k + l) = limit.bound;
+  length_[k + l] = limit.length;
 }
 
 void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
@@ -431,6 +445,10 @@ bool ForceSet::solveActive(const ContactProblem &problem) {
       followConic();
     return true;
   }
+  weighEquations();
+  hasEqualShares_ = chooseShares();
+  if (hasEqualShares_)
+    return solveEqualShares();
   loadActive();
   const bool independent = polyhedron_.solveActive();
   if (independent)
@@ -438,10 +456,87 @@ bool ForceSet::solveActive(const ContactProblem &problem) {
   return independent;
 }
 
-// What the active constraints need only; their number and order are those of the last loadPolyhedron.
+// The polyhedron's data, where others have given the forces. False: its active constraints depend on each other.
+bool ForceSet::solveAll() {
+  if (!hasEqualShares_)
+    return true;
+  hasEqualShares_ = false;
+  weighEquations();
+  loadActive();
+  return polyhedron_.solveActive();
+}
+
+// Friction that a normal force takes along, and limits, tell unknowns apart.
+bool ForceSet::chooseShares() {
+  const int k = activeCount(), n = rows_.normalCount;
+  isAlone_.assign(k, 0);
+  loads_.clear();
+  for (int j = 0; j < rows_.tangentCount; ++j) {
+    const int owner = rows_.owner[j], position = owner >= 0 ? equations_.position(owner) : -1;
+    const double factor = equations_.slipFactor(rows_, j);
+    if (position < 0 || factor == 0)
+      continue;
+    isAlone_[position] = 1;
+    loads_.push_back({position, n + j, factor * inverseWeight_[position]});
+  }
+  for (const int constraint : polyhedron_.active()) {
+    if (constraint < k)
+      continue;
+    const int row = limits_[constraint - k].row, owner = row < n ? -1 : rows_.owner[row - n];
+    isAlone_[equations_.position(row)] = 1;
+    if (owner >= 0)
+      isAlone_[equations_.position(owner)] = 1;
+  }
+  return equalShares_.choose(*rows_.delassus, equations_.active(), isAlone_, static_cast<int>(polyhedron_.active().size()));
+}
+
+bool ForceSet::solveEqualShares() {
+  loadShares();
+  if (!equalShares_.solve(activeDependence))
+    return false;
+  for (int c = 0; c < activeCount(); ++c)
+    unknown_[c] = equalShares_.share(equalShares_.set()[c]) * inverseWeight_[c];
+  equations_.expandForces(rows_, unknown_.data(), forces_.data());
+  return true;
+}
+
+// As loadEquation and loadLimit, by sets.
+void ForceSet::loadShares() {
+  const int k = activeCount(), sets = equalShares_.count();
+  setRow_.resize(sets);
+  setFactor_.resize(sets);
+  for (int s = 0; s < sets; ++s) {
+    const int sample = equalShares_.sample(s);
+    setRow_[s] = equations_.active()[sample];
+    setFactor_[s] = equalShares_.root(s) * inverseWeight_[sample];
+  }
+  for (int c = 0; c < sets; ++c) {
+    const int constraint = polyhedron_.active()[c];
+    double *normal = equalShares_.normal(c);
+    if (constraint >= k) {
+      const LimitRow limit = limitRow(constraint - k);
+      std::fill_n(normal, sets, 0.0);
+      normal[equalShares_.set()[limit.own]] = limit.ownEntry;
+      if (limit.owner >= 0)
+        normal[equalShares_.set()[limit.owner]] = limit.ownerEntry;
+      equalShares_.bound(c) = limit.bound;
+      continue;
+    }
+    const double *row = rows_.delassus->column(equations_.active()[constraint]);
+    for (int s = 0; s < sets; ++s)
+      normal[s] = row[setRow_[s]] * setFactor_[s];
+    for (const Loaded &load : loads_)
+      normal[equalShares_.set()[load.unknown]] += row[load.row] * load.factor;
+    const double squares = denseDot(normal, normal, sets), inverse = squares > 0 ? 1 / std::sqrt(squares) : 1.0;
+    for (int s = 0; s < sets; ++s)
+      normal[s] *= inverse;
+    equalShares_.bound(c) = unknown_[constraint] * inverse;
+  }
+}
+
+// What the active constraints need only, after weighEquations; their number and order are those of the last loadPolyhedron.
 void ForceSet::loadActive() {
   const int k = activeCount();
-  weighEquations();
   for (const int constraint : polyhedron_.active())
     if (constraint < k)
       loadEquation(polyhedron_, constraint);
@@ -454,13 +549,25 @@ double ForceSet::contradiction() const {
   double worst = 0;
   for (const int r : dependent_) {
     const int row = equations_.active()[r];
-    const double rest = rows_.bias[row] + denseDot(rows_.delassus->column(row), forces_.data(), rows_.normalCount + rows_.tangentCount);
+    // A row that is equal to one which holds as an equation differs from it by its bias.
+    const int other = hasEqualShares_ ? equalShares_.sample(equalShares_.set()[r]) : r;
+    const bool follows = other != r && !std::binary_search(dependent_.begin(), dependent_.end(), other);
+    const double rest =
+        rows_.bias[row] + (follows ? -rows_.bias[equations_.active()[other]]
+                                   : denseDot(rows_.delassus->column(row), forces_.data(), rows_.normalCount + rows_.tangentCount));
     worst = std::max(worst, std::abs(rest) / length_[r]);
   }
   return worst / forceScale_;
 }
 
+void ForceSet::release(int k) {
+  solveAll();
+  polyhedron_.release(activeCount() + k);
+}
+
 LeastNorm::Status ForceSet::activate(int k) {
+  if (!solveAll())
+    return LeastNorm::Status::Empty;
   loadLimit(polyhedron_, k);
   return polyhedron_.activate(activeCount() + k);
 }

@@ -6,6 +6,7 @@
 
 #include "runtime/contact/conic_forces.h"
 #include "runtime/contact/contact_problem.h"
+#include "runtime/contact/equal_shares.h"
 #include "runtime/contact/least_norm.h"
 #include "runtime/contact/mode_equations.h"
 
@@ -60,6 +61,7 @@ public:
 
   // The least-norm force. Tolerances are relative to the force scale of the problem.
   LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance) {
+    hasEqualShares_ = false;
     const LeastNorm::Status status = conic_ ? solveConic(problem, tolerance) : solvePolyhedron(problem, tolerance);
     leastNormTolerance_ = status == LeastNorm::Status::Solved ? tolerance : std::numeric_limits<double>::infinity();
     return status;
@@ -88,11 +90,13 @@ public:
   [[nodiscard]] double contradiction() const;
 
   // Of a saturated limit of a polyhedron, in the unit of forces.
-  [[nodiscard]] double multiplier(int activeIndex) const { return polyhedron_.multipliers()[activeIndex]; }
+  [[nodiscard]] double multiplier(int activeIndex) {
+    return hasEqualShares_ ? equalShares_.multipliers()[activeIndex] : polyhedron_.multipliers()[activeIndex];
+  }
   // Slack of limits()[k] at forces().
   [[nodiscard]] double slack(const ContactProblem &problem, int k) const;
   LeastNorm::Status activate(int k);
-  void release(int k) { polyhedron_.release(activeCount() + k); }
+  void release(int k);
 
   [[nodiscard]] const std::vector<double> &forces() const { return forces_; }
   [[nodiscard]] const std::vector<double> &accelerations();
@@ -105,8 +109,18 @@ private:
   void loadPolyhedron(LeastNorm &polyhedron);
   void weighEquations();
   void loadEquation(LeastNorm &polyhedron, int r);
+  // The normal of a limit among the unknowns (`owner` < 0: one entry) and its bound, divided by the normal's length.
+  struct LimitRow {
+    int own = 0, owner = -1;
+    double ownEntry = 0, ownerEntry = 0, bound = 0, length = 1;
+  };
+  [[nodiscard]] LimitRow limitRow(int l) const;
   void loadLimit(LeastNorm &polyhedron, int l);
   void loadActive();
+  bool solveEqualShares();
+  bool chooseShares();
+  void loadShares();
+  bool solveAll();
   void expandPoint(const double *point);
   void loadConic();
   void confineConic();
@@ -122,7 +136,9 @@ private:
   ModeEquations equations_;
   LuFactor factor_;
   LeastNorm polyhedron_, far_;
-  bool hasFar_ = false;  // far_ has the equations of the last solveLeastNorm
+  EqualShares equalShares_;
+  bool hasEqualShares_ = false;  // which have given the forces: polyhedron_ knows its active set only
+  bool hasFar_ = false;          // far_ has the equations of the last solveLeastNorm
   std::vector<ForceLimit> limits_;
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
@@ -134,6 +150,16 @@ private:
   std::vector<double> multiplier_, multiplierAcceleration_, limitMultiplier_;
   Eigen::VectorXd gradientRate_, pointRate_, rhsRate_;
   DenseMatrix matrix_;
+  // For equalShares_: unknowns that are sets of their own; of sets, their row of D, and what takes an entry of it into that of a normal; of
+  // slipping rows that are loaded, the unknown, the row, and what it adds by.
+  std::vector<std::uint8_t> isAlone_;
+  std::vector<int> setRow_;
+  std::vector<double> setFactor_;
+  struct Loaded {
+    int unknown = 0, row = 0;
+    double factor = 0;
+  };
+  std::vector<Loaded> loads_;
   double forceScale_ = 0;
   bool hasMode_ = false, singular_ = false;
   double leastNormTolerance_ = 0;  // infinite: none has been found
