@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstring>
 
 namespace tf::runtime {
 
@@ -52,10 +53,23 @@ double largestOf(const double *x, int count) {
 }
 
 bool areClose(const double *x, const double *y, int count, double accepted) {
-  for (int k = 0; k < count; ++k)
+  int k = 0;
+  for (bool close = true; k + chunk <= count; k += chunk) {
+    for (int j = 0; j < chunk; ++j)
+      close &= std::abs(x[k + j] - y[k + j]) <= accepted;
+    if (!close)
+      return false;
+  }
+  for (; k < count; ++k)
     if (!(std::abs(x[k] - y[k]) <= accepted))
       return false;
   return true;
+}
+
+// To rounding, which is the rarer case than that of the same bits.
+bool areEqual(const double *x, const double *y, int count) {
+  constexpr double rounding = 1e-15;
+  return std::memcmp(x, y, sizeof(double) * static_cast<std::size_t>(count)) == 0 || areClose(x, y, count, rounding * largestOf(x, count));
 }
 
 }  // namespace
@@ -109,13 +123,12 @@ void RowSystem::prepareTwins() {
 
 // Only rows are compared whose products with a vector of no regularity are equal, too. A pair that is missed costs time only.
 void RowSystem::findTwin(int i) {
-  constexpr double rounding = 1e-15, similar = 1e-13;
+  constexpr double similar = 1e-13;
   const double *row = jacobian(i);
   twin_[i] = i;
   mark_[i] = dot(row + begin_[i], marker_.data() + begin_[i], end_[i] - begin_[i]);
   for (const int other : first_)
-    if (std::abs(mark_[i] - mark_[other]) <= similar * std::abs(mark_[i]) &&
-        areClose(row, jacobian(other), nv_, rounding * largestOf(row, nv_))) {
+    if (std::abs(mark_[i] - mark_[other]) <= similar * std::abs(mark_[i]) && areEqual(row, jacobian(other), nv_)) {
       twin_[i] = other;
       return;
     }
@@ -221,8 +234,11 @@ void RowSystem::multiplyPanel(int block, DenseMatrix &delassus) {
 
 void RowSystem::multiply(DenseMatrix &delassus) {
   const int m = count();
-  for (int j = 0; j < m; ++j)
-    std::fill_n(delassus.column(j), m, 0.0);
+  if (hasTwins_)
+    for (const int j : first_)
+      std::fill_n(delassus.column(j), m, 0.0);
+  else
+    std::fill_n(delassus.data(), static_cast<std::ptrdiff_t>(m) * m, 0.0);
   for (std::size_t block = 0; block < parts_.size(); ++block) {
     const int end = mobility_->mass().blocks()[block].end;
     const std::vector<Part> &parts = parts_[block];
