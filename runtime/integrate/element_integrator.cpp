@@ -57,6 +57,8 @@ void ElementIntegrator::updateScale() {
 double ElementIntegrator::initialStep(double limit) {
   if (std::isinf(next_))
     return limit - beginTime_;
+  if (next_ > 0 && changingStarts_ >= mostChangingStarts && ++changingStarts_ % startsPerLook != 0)
+    return next_;
   double d0 = 0, d1 = 0, d2 = 0;
   for (int i = 0; i < n_; ++i) {
     d0 = std::max(d0, std::abs(begin_[i]) / scale_[i]);
@@ -76,6 +78,7 @@ double ElementIntegrator::initialStep(double limit) {
     same = same && (i < dynamics_.model().model().nq ||
                     change <= std::max(1e-12 * std::abs(beginRate_[i]), 1e-3 * settings_.tolerance * scale_[i] * h / (span * span)));
   }
+  changingStarts_ = same ? 0 : changingStarts_ + 1;
   if (same)
     return span;
   if (next_ > 0)

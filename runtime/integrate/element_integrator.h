@@ -42,7 +42,10 @@ public:
     return settings_.fixedStep > 0 || dynamics_.hasTurningSlips() ? 1e-13 : 0.1 * settings_.tolerance;
   }
   void resetStatistics() override;
-  void forget() override { method_->forget(); }
+  void forget() override {
+    method_->forget();
+    changingStarts_ = 0;
+  }
 
 private:
   // An error of the step, relative to the tolerance: the motion is a polynomial that the method has no error of but rounding.
@@ -70,6 +73,10 @@ private:
   double elementEnd_ = 0;
   bool first_ = true;
   bool moved_ = false;  // the end of the last step was accepted and is the next begin
+  // Modes in a row whose accelerations were found to change at their start. After so many that is looked for in some of the modes only,
+  // where a length is suggested.
+  static constexpr int mostChangingStarts = 4, startsPerLook = 8;
+  int changingStarts_ = 0;
   int unstableSteps_ = 0, stableSteps_ = 0;
   std::vector<double> trial_, trialRate_;
 };

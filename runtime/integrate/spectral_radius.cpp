@@ -75,11 +75,12 @@ void SpectralRadius::suspect(const double *direction, const double *scale) {
   normalise();
 }
 
-void SpectralRadius::estimate(ModeDynamics &dynamics, double time, const double *state, const double *rate, const double *scale) {
+void SpectralRadius::estimate(ModeDynamics &dynamics, double time, const double *state, const double *rate, bool isExact,
+                              const double *scale) {
   if (!isKnown_)
     seed(rate, scale);
   // That of a state which has been projected since is not good enough for differences.
-  if (dynamics.needsProjection())
+  if (!isExact && dynamics.needsProjection())
     dynamics.evaluate(time, state, base_.data());
   else
     std::copy_n(rate, base_.size(), base_.begin());

@@ -12,9 +12,9 @@ class SpectralRadius {
 public:
   explicit SpectralRadius(int size) : direction_(size), moved_(size), base_(size), rate_(size) {}
 
-  // Estimates it at (time, state), with about the rate there, in the norm that `scale` [n] gives. What it found before, in this mode or
-  // another one, is where it begins, and one evaluation is enough where that has grown no larger.
-  void estimate(ModeDynamics &dynamics, double time, const double *state, const double *rate, const double *scale);
+  // Estimates it at (time, state), with the rate there, or about it unless `isExact`, in the norm that `scale` [n] gives. What it found
+  // before, in this mode or another one, is where it begins, and one evaluation is enough where that has grown no larger.
+  void estimate(ModeDynamics &dynamics, double time, const double *state, const double *rate, bool isExact, const double *scale);
   // A direction that grows too fast: the next estimate goes to the end with it.
   void suspect(const double *direction, const double *scale);
 

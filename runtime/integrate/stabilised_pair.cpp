@@ -48,7 +48,7 @@ double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, c
   if (!isDamped_ || (radius_.isKnown() && h * radius_.bound() <= border_))
     return h;
   if (needsEstimate(h)) {
-    radius_.estimate(dynamics, t0, y0, f0, scale);
+    radius_.estimate(dynamics, t0, y0, f0, modeSteps_ == 0, scale);
     stepsSinceEstimate_ = 0;
     isNewMode_ = false;
   }

@@ -167,7 +167,7 @@ TEST(Rock4Test, HasADenseOutputOfItsOwnOrder) {
 TEST(SpectralRadiusTest, TellsOscillationFromDamping) {
   Belt belt;
   SpectralRadius radius(3);
-  radius.estimate(belt.dynamics, 0, belt.state, belt.rate, belt.scale);
+  radius.estimate(belt.dynamics, 0, belt.state, belt.rate, true, belt.scale);
   EXPECT_FALSE(radius.isDamping());
 }
 
