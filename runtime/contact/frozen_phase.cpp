@@ -19,6 +19,10 @@ constexpr double jammed = 1e-6;
 constexpr int keptBreakpoints = 1000, tailFrom = 24;
 // A contraction factor that differs from 1 by less repeats without contraction.
 constexpr double contraction = 1e-9;
+// Contacts with restitution among others that press for long may chatter at any scale without a cycle that repeats. Each time that so many
+// breakpoints have passed, what counts as zero grows, up to a limit far below the accuracy of any run.
+constexpr int coarsenEvery = 2048;
+constexpr double coarsening = 10, coarsest = 1e-9;
 
 }  // namespace
 
@@ -46,6 +50,7 @@ struct FrozenPhase::Workspace {
   std::vector<double> velocity, magnitude, impulse;   // c2 (less Newton's target) and c3, what they are sums of, and total impulses
   std::vector<double> force, acceleration, turnover;  // of the piece: λ, w = D λ, Σ |D λ|
   std::vector<double> increment;                      // of a piece: velocities, impulses, τ, stored impulses, stored works
+  double zero = rounding;                             // velocities below this part of the fastest are zero
   double fastest = 0;                                 // the largest velocity and change of velocity, in the metric of D
   std::vector<double> metric;                         // √D_rr
   std::vector<std::uint8_t> inCycle;                  // rows, then what normal rows store
@@ -53,6 +58,8 @@ struct FrozenPhase::Workspace {
 
   void begin(const FrozenProblem &at, int forced);
   void roundVelocities();
+  void coarsen();
+  void discardStores();
   [[nodiscard]] bool pushes(int normal) const { return velocity[normal] < 0 || restitution.stored(normal); }
   [[nodiscard]] bool anyPushes() const;
   void resetTail();
@@ -80,8 +87,23 @@ void FrozenPhase::Workspace::roundVelocities() {
   for (int r = 0; r < problem->count(); ++r)
     fastest = std::max(fastest, std::abs(velocity[r]) / metric[r]);
   for (int r = 0; r < problem->count(); ++r)
-    if (std::abs(velocity[r]) <= std::max(rounding * fastest * metric[r], problem->resolution))
+    if (std::abs(velocity[r]) <= std::max(zero * fastest * metric[r], problem->resolution))
       velocity[r] = 0;
+}
+
+void FrozenPhase::Workspace::coarsen() {
+  zero = std::max(zero, problem->resolution / fastest);
+  zero = std::max(zero, std::min(coarsening * zero, coarsest));
+}
+
+// What changes no velocity by more than counts as zero.
+void FrozenPhase::Workspace::discardStores() {
+  for (int i = 0; i < problem->normalCount; ++i) {
+    const double gain =
+        problem->law[i] == ImpactLaw::Stronge ? std::sqrt(2 * std::max(restitution.work(i), 0.0)) : restitution.impulse(i) * metric[i];
+    if (restitution.stored(i) && gain <= zero * fastest)
+      restitution.set(i, 0, 0);
+  }
 }
 
 void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
@@ -93,6 +115,7 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   metric.resize(count);
   for (int r = 0; r < count; ++r)
     metric[r] = at.delassus(r, r) > 0 ? std::sqrt(at.delassus(r, r)) : 1.0;
+  zero = rounding;
   fastest = 0;
   roundVelocities();
   if (forced >= 0)
@@ -262,7 +285,7 @@ void FrozenPhase::Workspace::advance(int row, double duration) {
     increment[count + r] = force[r] * duration;
   }
   for (int r = 0; r < count; ++r)
-    if (std::abs(velocity[r]) <= std::max(rounding * fastest * metric[r], problem->resolution))
+    if (std::abs(velocity[r]) <= std::max(zero * fastest * metric[r], problem->resolution))
       velocity[r] = 0;
   increment[2 * static_cast<std::size_t>(count)] = duration;
   tau += duration;
@@ -426,6 +449,8 @@ void FrozenPhase::Workspace::follow(int forced) {
     const int pieces = ++result.breakpointCount;
     if (pieces > settings.breakpointLimit)
       return fail(FrozenStatus::Cycle);
+    if (pieces % coarsenEvery == 0)
+      coarsen();
     if (pieces < tailFrom || !settings.sumTails || !tail.repeats())
       continue;
     bool summed = false;

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 #include <numbers>
 
 namespace tf::runtime {
@@ -166,6 +167,45 @@ TEST(FrozenPhase, ClosingWallsAreAnError) {
   const FrozenResult &result = phase.run(problem);
   EXPECT_EQ(result.status, FrozenStatus::Unbounded);
   EXPECT_EQ(result.rows, (std::vector<int>{0, 1}));
+}
+
+// An impact of 20 discs with 30 contacts that falls on a pile: velocities, and the lower triangle of D where it is not zero.
+FrozenProblem pressedDiscs() {
+  constexpr int contacts = 30;
+  FrozenProblem problem;
+  problem.resize(contacts, contacts);
+  std::ifstream file(TF_SOURCE_DIR "/tests/unit/runtime/contact/pressed_discs.txt");
+  for (std::vector<double> *velocities : {&problem.normalVelocity, &problem.slipVelocity})
+    for (double &velocity : *velocities)
+      file >> velocity;
+  int row = 0, column = 0;
+  for (double entry = 0; file >> row >> column >> entry;)
+    problem.delassus(row, column) = problem.delassus(column, row) = entry;
+  for (int i = 0; i < contacts; ++i) {
+    problem.owner[i] = i;
+    problem.friction[i] = 0.4;
+    problem.restitution[i] = 0.3;
+  }
+  return problem;
+}
+
+// While one contact presses for long, others chatter without a cycle that repeats, as small as they like.
+TEST(FrozenPhase, ChatterOfContactsWithRestitutionEnds) {
+  const FrozenProblem problem = pressedDiscs();
+  FrozenPhase phase;
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_LT(result.breakpointCount, 20000);
+  double worst = 0, least = 0;
+  for (int r = 0; r < problem.count(); ++r) {
+    double velocity = r < problem.normalCount ? problem.normalVelocity[r] : problem.slipVelocity[r - problem.normalCount];
+    for (int c = 0; c < problem.count(); ++c)
+      velocity += problem.delassus(r, c) * result.impulse[c];
+    worst = std::max(worst, std::abs(velocity - result.velocity[r]));
+    least = std::min(least, r < problem.normalCount ? std::min(result.velocity[r], result.impulse[r]) : 0.0);
+  }
+  EXPECT_LT(worst, 1e-9);
+  EXPECT_EQ(least, 0);
 }
 
 TEST(FrozenPhase, NoApproachNoImpact) {
