@@ -1,6 +1,7 @@
 #include "compiler/codegen/expression_emitter.h"
 
 #include "compiler/codegen/math_library.h"
+#include "compiler/codegen/trigonometry_emitter.h"
 #include "compiler/ir/operations.h"
 #include "runtime/abi/tf_model.h"
 
@@ -58,22 +59,6 @@ Argument argumentOf(ir::SymbolKind kind) {
 
 const char *const arrayNames[TF_IN_COUNT] = {"time.in", "q.in",      "v.in",       "z.in",    "u.in",          "p.in",     "alpha.in",
                                              "a.in",    "normal.in", "tangent.in", "zdot.in", "multiplier.in", "radius.in"};
-
-llvm::FunctionCallee mathFunction(llvm::Module &module, std::string_view name, std::size_t argumentCount) {
-  llvm::Type *number = llvm::Type::getDoubleTy(module.getContext());
-  const llvm::SmallVector<llvm::Type *, 2> arguments(argumentCount, number);
-  llvm::FunctionCallee callee = module.getOrInsertFunction(llvm::StringRef(name), llvm::FunctionType::get(number, arguments, false));
-  auto *function = llvm::cast<llvm::Function>(callee.getCallee());
-  function->setDoesNotAccessMemory();  // errno is not looked at
-  function->setDoesNotThrow();
-  function->setWillReturn();
-  function->addFnAttr(llvm::Attribute::NoFree);
-  function->addFnAttr(llvm::Attribute::NoSync);
-  function->addFnAttr(llvm::Attribute::NonLazyBind);  // called through its table entry, without a stub
-  if (name == "sin" || name == "cos")
-    function->setConvergent();  // stays beside its partner, from where LLVM would move it into the group that uses it
-  return callee;
-}
 
 }  // namespace
 
@@ -268,9 +253,23 @@ llvm::Value *ExpressionEmitter::emitArithmetic(const ir::Node &node) {
     return intrinsic(llvm::Intrinsic::ceil);
   case Op::Atan2:
     return call("atan2", {a(), b()});
+  case Op::Sin:
+    return builder_.CreateExtractValue(sineAndCosine(a()), 0);
+  case Op::Cos:
+    return builder_.CreateExtractValue(sineAndCosine(a()), 1);
   default:
     return call(libraryName(node.op), {a()});
   }
+}
+
+// One call for both.
+llvm::Value *ExpressionEmitter::sineAndCosine(llvm::Value *angle) {
+  for (auto scope = scopes_.rbegin(); scope != scopes_.rend(); ++scope)
+    if (const auto found = scope->sinesAndCosines.find(angle); found != scope->sinesAndCosines.end())
+      return found->second;
+  llvm::Value *both = builder_.CreateCall(sineAndCosineFunction(*builder_.GetInsertBlock()->getModule()), angle);
+  scopes_.back().sinesAndCosines[angle] = both;
+  return both;
 }
 
 // What is no builtin, LLVM does not replace by another function (pow(2, x) by exp2(x)), whose last bit may differ.

@@ -48,6 +48,7 @@ private:
   struct Scope {
     std::unordered_map<ir::NodeId, Value> values;
     std::unordered_map<int, llvm::Value *> arrays;  // of enum tf_in
+    std::unordered_map<llvm::Value *, llvm::Value *> sinesAndCosines;
   };
 
   [[nodiscard]] Value *find(ir::NodeId id);
@@ -62,6 +63,7 @@ private:
   llvm::Value *emitArithmetic(const ir::Node &node);
   llvm::Value *emitChoice(const ir::Node &node);
   llvm::Value *emitPower(const ir::Node &node);
+  llvm::Value *sineAndCosine(llvm::Value *angle);
   llvm::Value *call(std::string_view name, llvm::ArrayRef<llvm::Value *> arguments, bool isBuiltin = true);
   llvm::Value *literal(double value) { return llvm::ConstantFP::get(builder_.getDoubleTy(), value); }
 

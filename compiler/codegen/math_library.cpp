@@ -2,6 +2,10 @@
 
 #include "compiler/ir/operations.h"
 
+#include <llvm/IR/Attributes.h>
+#include <llvm/IR/Function.h>
+#include <llvm/Support/Casting.h>
+
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -13,6 +17,7 @@ namespace {
 
 using Unary = double (*)(double);
 using Binary = double (*)(double, double);
+using Ternary = double (*)(double, double, double);
 
 template <class Function> LibraryFunction entry(std::string_view name, Function *function) {
   return {name, reinterpret_cast<void *>(function)};
@@ -43,6 +48,22 @@ std::string_view libraryName(ir::Op op) {
   }
 }
 
+llvm::FunctionCallee mathFunction(llvm::Module &module, std::string_view name, std::size_t argumentCount) {
+  llvm::Type *number = llvm::Type::getDoubleTy(module.getContext());
+  const llvm::SmallVector<llvm::Type *, 2> arguments(argumentCount, number);
+  llvm::FunctionCallee callee = module.getOrInsertFunction(llvm::StringRef(name), llvm::FunctionType::get(number, arguments, false));
+  auto *function = llvm::cast<llvm::Function>(callee.getCallee());
+  function->setDoesNotAccessMemory();  // errno is not looked at
+  function->setDoesNotThrow();
+  function->setWillReturn();
+  function->addFnAttr(llvm::Attribute::NoFree);
+  function->addFnAttr(llvm::Attribute::NoSync);
+  function->addFnAttr(llvm::Attribute::NonLazyBind);  // called through its table entry, without a stub
+  if (name == "sin" || name == "cos")
+    function->setConvergent();  // stays beside its partner, for one call of the two
+  return callee;
+}
+
 std::span<const LibraryFunction> libraryFunctions() {
   static const std::array functions{
       entry("pow", static_cast<Binary>(::pow)),
@@ -62,6 +83,7 @@ std::span<const LibraryFunction> libraryFunctions() {
       entry("floor", static_cast<Unary>(::floor)),
       entry("ceil", static_cast<Unary>(::ceil)),
       entry("sincos", &::sincos),
+      entry("fma", static_cast<Ternary>(::fma)),
       entry("memset", &::memset),
   };
   return functions;

@@ -1,5 +1,7 @@
 #include "compiler/ir/operations.h"
 
+#include "lang/base/trigonometry.h"
+
 #include <cassert>
 #include <cmath>
 #include <cstdlib>
@@ -102,9 +104,9 @@ double applyOperation(Op op, std::span<const double> operands) {
   case Op::Log10:
     return std::log10(a());
   case Op::Sin:
-    return std::sin(a());
+    return sineAndCosine(a()).sine;
   case Op::Cos:
-    return std::cos(a());
+    return sineAndCosine(a()).cosine;
   case Op::Tan:
     return std::tan(a());
   case Op::Asin:

@@ -1,4 +1,5 @@
 // Values of expressions whose variables are known (`--set`, structural parameters, attributes).
+#include "lang/base/trigonometry.h"
 #include "lang/semantics/expressions.h"
 #include "lang/semantics/instantiate.h"
 
@@ -71,9 +72,9 @@ double scalarFunction(Function function, double x, double y) {
   case Function::Sqrt:
     return std::sqrt(x);
   case Function::Sin:
-    return std::sin(x);
+    return sineAndCosine(x).sine;
   case Function::Cos:
-    return std::cos(x);
+    return sineAndCosine(x).cosine;
   case Function::Tan:
     return std::tan(x);
   case Function::Asin:

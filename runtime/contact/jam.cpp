@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace tf::runtime {
@@ -41,24 +42,26 @@ Eigen::VectorXd ownAccelerations(const Eigen::MatrixXd &matrix) { return matrix.
 
 }  // namespace
 
-int jammedNormal(const ContactProblem &problem, const ContactMode &mode) {
+Jam jammedNormal(const ContactProblem &problem, const ContactMode &mode) {
   if (problem.normalCount == 0)
-    return -1;
+    return {};
   const std::vector<double> none(problem.tangentCount, 0.0);
   const Eigen::MatrixXd free = accelerations(problem, mode, none), slipping = accelerations(problem, mode, problem.friction);
   Eigen::VectorXd own = ownAccelerations(free), left = ownAccelerations(slipping);
   // Forces of redundant rows are not unique: each contact is looked at alone.
-  if (!(own.array() > redundant * free.diagonal().array()).all()) {
+  const bool isAlone = !(own.array() > redundant * free.diagonal().array()).all();
+  if (isAlone) {
     own = free.diagonal();
     left = slipping.diagonal();
   }
-  int worst = -1;
+  Jam worst;
   double least = jammed;
+  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
   for (int i = 0; i < problem.normalCount; ++i) {
     const double ratio = std::isfinite(left[i]) ? left[i] / own[i] : 0;
     if (ratio <= least) {
       least = ratio;
-      worst = i;
+      worst = isAlone ? Jam{i, nan, nan} : Jam{i, left[i], own[i]};
     }
   }
   return worst;

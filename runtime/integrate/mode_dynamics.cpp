@@ -427,10 +427,12 @@ double ModeDynamics::normalForce(int contact) const {
   return 0;
 }
 
-int ModeDynamics::jammedContact() {
+int ModeDynamics::jammedContact(double pressing) {
   complete();
-  const int row = jammedNormal(problem_, contactMode_);
-  return row >= 0 ? rows_.contacts()[row] : -1;
+  const Jam jam = jammedNormal(problem_, contactMode_);
+  if (jam.row < 0 || closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_)
+    return -1;
+  return rows_.contacts()[jam.row];
 }
 
 bool ModeDynamics::stop(double time, double *state) {

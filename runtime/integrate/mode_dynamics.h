@@ -18,6 +18,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -114,9 +115,12 @@ public:
 
   // A guard of kind Force has changed its sign where forces grow beyond all bounds, not at a zero. At the last evaluation's point.
   [[nodiscard]] bool isPole(int guard) const;
+  // The contact whose normal force is the margin of a Force guard; −1: the margin is another one.
+  [[nodiscard]] int contactOfMargin(int margin) const;
   // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormal); −1:
-  // none.
-  [[nodiscard]] int jammedContact();
+  // none. Without its force it approaches by an acceleration of at least `pressing` times what the largest force at the begin of the mode
+  // gives a contact.
+  [[nodiscard]] int jammedContact(double pressing = -std::numeric_limits<double>::infinity());
 
   // At the last evaluation's point: power of friction forces on the slips (≤ 0), and of all contact, friction and constraint forces on the
   // motion; they differ where boundaries move.
@@ -279,6 +283,7 @@ private:
   std::vector<Guard> guards_;
   std::vector<double> leastMargins_, leastMarginTimes_, largestMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
+  double beginForce_ = 0;  // the largest one at the begin of the mode
   double tauRate_ = 1;
   long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none
   EvaluationFailure failure_ = EvaluationFailure::None;

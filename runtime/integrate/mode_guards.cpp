@@ -39,8 +39,9 @@ void ModeDynamics::buildGuards() {
   if (rows_.count() > 0) {
     for (double force : rowForces())
       largest = std::max(largest, std::abs(force));
+    beginForce_ = std::max(largest, 1e-6);
     for (std::size_t k = 0; k < leastMargins_.size(); ++k)
-      guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, std::max(largest, 1e-6)});
+      guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, beginForce_});
   }
   for (int j = 0; j < model.nt; ++j)
     if (!isPaired_[j] && roles_[j] != TangentRole::Steady &&
@@ -158,6 +159,11 @@ bool ModeDynamics::isPole(int guard) const {
   // The determinant is −1e-6 of what it was: so much larger are forces that have a pole.
   constexpr double finite = 1e3;
   return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
+}
+
+int ModeDynamics::contactOfMargin(int margin) const {
+  const ModeMargin &m = forces_.margins()[margin];
+  return !m.multiplier && m.limit.side == 0 && m.limit.row >= 0 && m.limit.row < rows_.normalCount() ? rows_.contacts()[m.limit.row] : -1;
 }
 
 void ModeDynamics::switchingValues(std::span<const int> guards, double *values, double *rates) {

@@ -46,7 +46,7 @@ void ModeSelection::listTouching(const double *state) {
 }
 
 // Gaps, slips and constraints may depend on switches of time, whose conditions may depend on other switches in turn.
-void ModeSelection::setStepVariables(double time, const double *state, const Mode &previous, SwitchHint hint) {
+void ModeSelection::setStepVariables(double time, const double *state, const Mode &previous, EventHint hint) {
   const tf_model &model = at_.model();
   if (model.ns == 0)
     return;
@@ -105,7 +105,7 @@ std::string ModeSelection::negativeFriction() const {
 }
 
 // On its surface a switch of time has the side to which time goes, any other one the relation as written.
-Switch ModeSelection::sideOf(int j, SwitchHint hint) const {
+Switch ModeSelection::sideOf(int j, EventHint hint) const {
   const tf_switch &one = at_.model().switches[j];
   if (hint.index == j)
     return hint.value;
@@ -120,7 +120,7 @@ Switch ModeSelection::sideOf(int j, SwitchHint hint) const {
 
 // Off its surface a switch has the sign of c. On it, the order of preference is: what the event says, the relation as written, the
 // other side, sliding; the first one that is consistent is taken, so that sliding is chosen where both sides point inwards only.
-void ModeSelection::classifySwitches(const Mode &previous, SwitchHint hint) {
+void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
   const tf_model &model = at_.model();
   surfaces_.clear();
   choices_.clear();
@@ -265,15 +265,27 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   indeterminate_ = solution.status == ContactStatus::Indeterminate;
   forced_ = indeterminate_ && solution.forced >= 0 ? rows_.contacts()[solution.forced] : -1;
   writeMode(solution.mode);
-  if (solution.degenerate.empty())
+  const int forceless = forcelessRow(solution);
+  if (solution.degenerate.empty() && forceless < 0)
     return Trial::Consistent;
   undecided_ = solution;
+  if (forceless >= 0)
+    undecided_.degenerate.push_back(forceless);
   if (!startMode(time, state))
     return Trial::Consistent;
   rates_.resize(problem_.normalCount, problem_.tangentCount);
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
   writeMode(solver_.resolve(problem_, undecided_, rates_, &previousContacts_).mode);
   return Trial::Consistent;
+}
+
+// The row of the contact whose force an event says is zero, where the solution keeps it closed and does not know; −1: none.
+int ModeSelection::forcelessRow(const ContactSolution &solution) const {
+  const auto found = std::find(rows_.contacts().begin(), rows_.contacts().end(), forceless_);
+  const int row = static_cast<int>(found - rows_.contacts().begin());
+  const bool isMissed = found != rows_.contacts().end() && solution.mode.closed[row] != 0 &&
+                        std::find(solution.degenerate.begin(), solution.degenerate.end(), row) == solution.degenerate.end();
+  return isMissed ? row : -1;
 }
 
 // After solveContacts, at the same point.
@@ -390,11 +402,12 @@ ModeSelection::Trial ModeSelection::tryAssignments(double time, const double *st
   }
 }
 
-const Selection &ModeSelection::select(double time, const double *state, const Mode &previous, SwitchHint hint) {
+const Selection &ModeSelection::select(double time, const double *state, const Mode &previous, EventHint hint) {
   Selection &result = selection_;
   const tf_model &model = at_.model();
   result.text.clear();
   text_.clear();
+  forceless_ = hint.forceless;
   setStepVariables(time, state, previous, hint);
   at_.setPoint(time, state);
   at_.switching();

@@ -32,10 +32,12 @@ struct Selection {
   std::string text;
 };
 
-// What an event says about a switch: it has just left its sliding mode on this side.
-struct SwitchHint {
+// What an event says: a switch has just left its sliding mode on this side, or the normal force of a contact is zero, which the solution of
+// an ill-conditioned contact problem would show as far as its error only.
+struct EventHint {
   int index = -1;
   Switch value = Switch::Zero;
+  int forceless = -1;  // contact
 };
 
 class ModeSelection {
@@ -46,10 +48,10 @@ public:
 
   // The dynamics is started in the mode that is returned (status Selected), with its last evaluation at the state. The reference is valid
   // until the next call. The contacts at the state are in touching() and approaching() afterwards.
-  const Selection &select(double time, const double *state, const Mode &previous, SwitchHint hint = {});
+  const Selection &select(double time, const double *state, const Mode &previous, EventHint hint = {});
 
   // Sets the step variables that do not slide to the sides on which the state is, with which gaps, slips and constraints are evaluated.
-  void setStepVariables(double time, const double *state, const Mode &previous, SwitchHint hint = {});
+  void setStepVariables(double time, const double *state, const Mode &previous, EventHint hint = {});
 
   // dy/dt of the selected mode at the state it was selected for.
   [[nodiscard]] const std::vector<double> &rate() const { return rate_; }
@@ -77,11 +79,12 @@ private:
 
   void listTouching(const double *state);
   Trial tryAssignments(double time, const double *state);
-  [[nodiscard]] Switch sideOf(int j, SwitchHint hint) const;
+  [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
+  [[nodiscard]] Switch sideOf(int j, EventHint hint) const;
   [[nodiscard]] std::string jump(const double *state);
   [[nodiscard]] std::string negativeFriction() const;
   [[nodiscard]] bool hasFriction(int contact) const;
-  void classifySwitches(const Mode &previous, SwitchHint hint);
+  void classifySwitches(const Mode &previous, EventHint hint);
   void chooseRows(double time, const double *state, const Mode &previous);
   Trial tryAssignment(double time, const double *state);
   Trial solveContacts(double time, const double *state);
@@ -113,6 +116,7 @@ private:
   std::vector<std::uint8_t> candidates_, mask_, surfaceMask_, ofTime_;  // nc; nc + nf; ns; ns
   std::vector<double> rate_, freeAcceleration_, guess_;
   int forced_ = -1;
+  int forceless_ = -1;                              // see EventHint
   bool redundant_ = false, indeterminate_ = false;  // of the contact problem solved last
   double worstViolation_ = 0;
   std::string text_;

@@ -17,9 +17,9 @@ void Simulation::Implementation::readApproaches() {
 }
 
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
-tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, SwitchHint hint) {
+tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, EventHint hint) {
   approaches_.clear();
-  for (int pass = 0; pass < 50; ++pass) {
+  for (int pass = 0; pass < 50; ++pass, hint.forceless = -1) {
     const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
     switch (selection.status) {
@@ -325,8 +325,10 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     resumeMode();
     return TF_OK;
   }
+  // Where the force is a quotient of two numbers near zero, it is an error's work which of them comes first.
+  constexpr double clear = 1e-4;
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.isPole(event.guard))
-    if (const int contact = dynamics_.jammedContact(); contact >= 0)
+    if (const int contact = dynamics_.jammedContact(clear); contact >= 0)
       return jam(contact);
   beginEvent();
   if (sensitivities_ && !dynamics_.evaluate(time_, state_.data(), rate_.data()))
@@ -446,9 +448,11 @@ bool Simulation::Implementation::switchesFaintly(int j) {
 
 // The guard is zero at (time_, state_); `stopped` is the first tangential row of a slip of two components that has stopped, else −1.
 tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped, double limit) {
-  SwitchHint hint;
+  EventHint hint;
   if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
+  if (guard.kind == GuardKind::Force)
+    hint.forceless = dynamics_.contactOfMargin(guard.index);
   if (guard.kind == GuardKind::Condition) {
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
     switchTime_ = time_;

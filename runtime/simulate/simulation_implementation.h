@@ -126,7 +126,7 @@ private:
   tf_status checkFriction();
 
   // simulation_events.cpp
-  tf_status settle(std::vector<Transition> &transitions, SwitchHint hint = {});
+  tf_status settle(std::vector<Transition> &transitions, EventHint hint = {});
   tf_status enterMode(const Selection &selection, std::vector<Transition> &transitions);
   void readApproaches();
   tf_status freeze(std::vector<Transition> &transitions, int forced);

@@ -33,15 +33,21 @@ struct Pair {
 
 TEST(Jam, TheSlipOfOneContactPressesItIn) {
   // D_s = 2 − μ: zero at μ = 2.
-  EXPECT_EQ(jammedNormal(Pair(0, 1, 0, 1.9).problem, Pair(0, 1, 0, 1.9).mode), -1);
-  EXPECT_GE(jammedNormal(Pair(0, 1, 0, 1.9999).problem, Pair(0, 1, 0, 1.9999).mode), 0);
+  EXPECT_EQ(jammedNormal(Pair(0, 1, 0, 1.9).problem, Pair(0, 1, 0, 1.9).mode).row, -1);
+  EXPECT_GE(jammedNormal(Pair(0, 1, 0, 1.9999).problem, Pair(0, 1, 0, 1.9999).mode).row, 0);
+}
+
+TEST(Jam, TheResponseTellsTheAccelerationWithoutTheForce) {
+  const Jam jam = jammedNormal(Pair(0, 1, 0, 1.9999).problem, Pair(0, 1, 0, 1.9999).mode);
+  EXPECT_NEAR(jam.response, 2 - 1.9999, 1e-14);
+  EXPECT_EQ(jam.own, 2);
 }
 
 TEST(Jam, SlipsOfTwoContactsPressEachOtherIn) {
   // D_s = [2, −μ; −μ, 2]: no contact alone loses anything, both together everything at μ = 2.
   const Pair before(0, 0, 1, 1.9), at(0, 0, 1, 1.9999);
-  EXPECT_EQ(jammedNormal(before.problem, before.mode), -1);
-  EXPECT_GE(jammedNormal(at.problem, at.mode), 0);
+  EXPECT_EQ(jammedNormal(before.problem, before.mode).row, -1);
+  EXPECT_GE(jammedNormal(at.problem, at.mode).row, 0);
 }
 
 TEST(Jam, SticksTakePart) {
@@ -60,17 +66,17 @@ TEST(Jam, SticksTakePart) {
       problem.delassus(r, c) = delassus[r][c];
   mode.closed = {1};
   mode.slip = {1, 0};
-  EXPECT_EQ(jammedNormal(problem, mode), 0);
+  EXPECT_EQ(jammedNormal(problem, mode).row, 0);
   mode.slip = {1, 1};
-  EXPECT_EQ(jammedNormal(problem, mode), -1);
+  EXPECT_EQ(jammedNormal(problem, mode).row, -1);
 }
 
 TEST(Jam, RedundantContactsAreLookedAtAlone) {
   // D = [2, 2; 2, 2] is singular without any friction.
   const Pair pair(2, 0.5, 0.5, 1);
-  EXPECT_EQ(jammedNormal(pair.problem, pair.mode), -1);
+  EXPECT_EQ(jammedNormal(pair.problem, pair.mode).row, -1);
   const Pair jam(2, 1, 1, 2);
-  EXPECT_GE(jammedNormal(jam.problem, jam.mode), 0);
+  EXPECT_GE(jammedNormal(jam.problem, jam.mode).row, 0);
 }
 
 TEST(Jam, WithoutContactsThereIsNone) {
@@ -78,7 +84,7 @@ TEST(Jam, WithoutContactsThereIsNone) {
   ContactMode mode;
   problem.resize(0, 0);
   mode.resize(0, 0);
-  EXPECT_EQ(jammedNormal(problem, mode), -1);
+  EXPECT_EQ(jammedNormal(problem, mode).row, -1);
 }
 
 }  // namespace
