@@ -145,6 +145,18 @@ __attribute__((always_inline)) inline void reflectColumnsByTwo(const double *mat
       x[j][rest] += byV[j] * v[rest] + byW[j] * w[rest];
 }
 
+// Of a panel's columns from `panel` on: rows before the first one that is not zero in all of panelLanes columns.
+__attribute__((always_inline)) inline int leadingZeroRows(const double *panel, int depth, int stride) {
+  int k = 0;
+  for (bool isZero = true; k < depth; ++k, panel += stride) {
+    for (int lane = 0; lane < panelLanes; ++lane)
+      isZero &= panel[lane] == 0;
+    if (!isZero)
+      break;
+  }
+  return k;
+}
+
 // Of the first entry with the largest magnitude.
 __attribute__((always_inline)) inline int placeOfLargest(const double *x, int count) {
   Lanes largest{};
@@ -234,10 +246,11 @@ TF_WIDE void applyReflections(const double *matrix, int rows, int columns, const
 
 TF_WIDE void multiplyPanels(const double *z, const double *s, int depth, int stride, double *product) {
   constexpr int height = 4;
-  for (int i = 0; i < stride; i += height)
-    for (int j = 0; j < i + height; j += panelLanes) {
+  for (int j = 0; j < stride; j += panelLanes) {
+    const int from = leadingZeroRows(s + j, depth, stride);
+    for (int i = j; i < stride; i += height) {
       Lanes sum0{}, sum1{}, sum2{}, sum3{};
-      for (int k = 0; k < depth; ++k) {
+      for (int k = from; k < depth; ++k) {
         const double *left = z + static_cast<std::ptrdiff_t>(k) * stride + i;
         Lanes right;
         load(right, s + static_cast<std::ptrdiff_t>(k) * stride + j);
@@ -252,6 +265,7 @@ TF_WIDE void multiplyPanels(const double *z, const double *s, int depth, int str
       store(sum2, out + 2 * static_cast<std::ptrdiff_t>(stride));
       store(sum3, out + 3 * static_cast<std::ptrdiff_t>(stride));
     }
+  }
 }
 
 // Four rows at a time, so that those above are read once for them.
@@ -259,18 +273,19 @@ TF_WIDE void forwardPanel(const double *factor, const std::ptrdiff_t *start, con
   constexpr int height = 4;
   for (int j = 0; j < stride; j += panelLanes) {
     const auto rowOf = [=](int k) __attribute__((always_inline)) { return z + static_cast<std::ptrdiff_t>(k - begin) * stride + j; };
-    int i = begin;
+    const int zeros = begin + leadingZeroRows(z + j, end - begin, stride);
+    int i = zeros;
     for (; i + height <= end; i += height) {
       const double *row[height];
       Lanes sum[height] = {}, x;
       // From where on all of them have entries.
-      int from = first[i];
+      int from = std::max(zeros, first[i]);
       for (int r = 0; r < height; ++r) {
         row[r] = factor + start[i + r];
         from = std::max(from, std::min(first[i + r], i));
       }
       for (int r = 0; r < height; ++r)
-        for (int k = first[i + r]; k < from; ++k) {
+        for (int k = std::max(zeros, first[i + r]); k < from; ++k) {
           load(x, rowOf(k));
           sum[r] += row[r][k] * x;
         }
@@ -292,7 +307,7 @@ TF_WIDE void forwardPanel(const double *factor, const std::ptrdiff_t *start, con
     for (; i < end; ++i) {
       const double *row = factor + start[i];
       Lanes sum{}, x;
-      for (int k = first[i]; k < i; ++k) {
+      for (int k = std::max(zeros, first[i]); k < i; ++k) {
         load(x, rowOf(k));
         sum += row[k] * x;
       }

@@ -66,6 +66,20 @@ bool areClose(const double *x, const double *y, int count, double accepted) {
   return true;
 }
 
+// The first place from `begin` on whose value is that close to x; `end`: none.
+int nearestPlace(const double *values, int begin, int end, double x, double accepted) {
+  int k = begin;
+  for (bool any = false; k + chunk <= end; k += chunk) {
+    for (int j = 0; j < chunk; ++j)
+      any |= std::abs(values[k + j] - x) <= accepted;
+    if (any)
+      break;
+  }
+  while (k < end && !(std::abs(values[k] - x) <= accepted))
+    ++k;
+  return k;
+}
+
 // To rounding, which is the rarer case than that of the same bits.
 bool areEqual(const double *x, const double *y, int count) {
   constexpr double rounding = 1e-15;
@@ -125,13 +139,16 @@ void RowSystem::prepareTwins() {
 void RowSystem::findTwin(int i) {
   constexpr double similar = 1e-13;
   const double *row = jacobian(i);
+  const double mark = dot(row + begin_[i], marker_.data() + begin_[i], end_[i] - begin_[i]), accepted = similar * std::abs(mark);
+  const int count = static_cast<int>(first_.size());
   twin_[i] = i;
-  mark_[i] = dot(row + begin_[i], marker_.data() + begin_[i], end_[i] - begin_[i]);
-  for (const int other : first_)
-    if (std::abs(mark_[i] - mark_[other]) <= similar * std::abs(mark_[i]) && areEqual(row, jacobian(other), nv_)) {
-      twin_[i] = other;
+  for (int k = nearestPlace(mark_.data(), 0, count, mark, accepted); k < count;
+       k = nearestPlace(mark_.data(), k + 1, count, mark, accepted))
+    if (areEqual(row, jacobian(first_[k]), nv_)) {
+      twin_[i] = first_[k];
       return;
     }
+  mark_[count] = mark;
   first_.push_back(i);
 }
 

@@ -124,7 +124,7 @@ private:
   bool hasTwins_ = false;                 // rows gathered last are equal to others
   std::vector<int> twin_;                 // of a row: the first row that is equal to it
   std::vector<int> first_;                // rows that are equal to none before
-  std::vector<double> marker_, mark_;     // nv; of a row: its product with the marker
+  std::vector<double> marker_, mark_;     // nv; of each of first_: its product with the marker
   std::vector<Panel> panels_;             // of blocks
   std::vector<double> product_;           // of panels
   std::vector<double> zero_;              // a row

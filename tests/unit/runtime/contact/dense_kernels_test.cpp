@@ -50,7 +50,8 @@ TEST(DenseKernels, FactorsAndSolvesEverySize) {
       for (int k = first[i]; k < i; ++k)
         banded(i, k) = L(i, k);
     }
-    const RowMajor right = RowMajor::Random(n - begin, paddedToLanes(n / 2 + 1));
+    RowMajor right = RowMajor::Random(n - begin, paddedToLanes(n / 2 + 1));
+    right.topLeftCorner((n - begin) / 2, std::min<Eigen::Index>(right.cols(), panelLanes + 3)).setZero();
     RowMajor z = right;
     forwardPanel(factor.data(), start.data(), first.data(), begin, n, static_cast<int>(z.cols()), z.data());
     EXPECT_LT((banded.bottomRightCorner(n - begin, n - begin) * z - right).norm(), 1e-13 * n * z.norm()) << n;
@@ -68,7 +69,8 @@ TEST(DenseKernels, FindsThePivotThatIsNotPositive) {
 TEST(DenseKernels, MultipliesPanels) {
   for (int rows = 1; rows <= 30; rows += 3) {
     const int stride = paddedToLanes(rows);
-    const RowMajor z = RowMajor::Random(rows + 7, stride);
+    RowMajor z = RowMajor::Random(rows + 7, stride);
+    z.topLeftCorner(rows, std::min(stride, panelLanes + 3)).setZero();
     RowMajor product(stride, stride);
     multiplyPanels(z.data(), z.data(), rows + 7, stride, product.data());
     const Eigen::MatrixXd expected = z.transpose() * z;
