@@ -30,6 +30,7 @@ const std::map<std::string, Folders> kMayInclude = {
       "runtime/abi", "runtime", "runtime/model", "runtime/results"}},
     {"runtime/abi", {}},
     {"runtime", {"runtime/abi", "runtime/model", "runtime/simulate"}},
+    {"runtime/profile", {"runtime"}},
     {"runtime/model", {"runtime/abi"}},
     {"runtime/contact", {"runtime/abi"}},
     {"runtime/integrate", {"runtime/abi", "runtime/model", "runtime/contact"}},
