@@ -51,6 +51,17 @@ struct Impact {
     return mode;
   }
 
+  // The same one, that knows no forces.
+  [[nodiscard]] FrozenMode again(const FrozenMode &mode) const {
+    FrozenMode same;
+    same.resize(problem);
+    same.normal = mode.normal;
+    for (int j = 0; j < problem.tangentCount; j += 2)
+      same.setTangent(problem, j, mode.tangent[j], mode.tangent[j] == FrozenMode::Tangent::Slip ? 1 : 0);
+    setDirections(same);
+    return same;
+  }
+
   void setDirections(FrozenMode &mode) const {
     for (int i = 0; i < problem.normalCount; ++i)
       mode.setDirection(2 * i, velocity[slip(i)], velocity[slip(i) + 1]);
@@ -109,7 +120,7 @@ TEST_P(FrozenModeOf, ForcesTurnWithTheSlips) {
         impact.turn(i, std::numbers::pi * impact.uniform(-0.1, 0.1));
       impact.setDirections(mode);
       ASSERT_TRUE(mode.forces(impact.problem, impact.velocity, rest, force));
-      FrozenMode fresh = mode;
+      FrozenMode fresh = impact.again(mode);
       fresh.refer(std::vector<double>(force.size(), 0.0));
       ASSERT_TRUE(fresh.forces(impact.problem, impact.velocity, rest, expected));
       EXPECT_LT(impact.violation(mode, force), 1e-8) << seed;
