@@ -57,9 +57,9 @@ struct FrozenPhase::Workspace {
   bool hasPrevious = false;
 
   void begin(const FrozenProblem &at, int forced);
+  void measureVelocities();
   void roundVelocities();
   void coarsen();
-  void discardStores();
   [[nodiscard]] bool pushes(int normal) const { return velocity[normal] < 0 || restitution.stored(normal); }
   [[nodiscard]] bool anyPushes() const;
   void resetTail();
@@ -82,10 +82,13 @@ struct FrozenPhase::Workspace {
   void follow(int forced);
 };
 
+void FrozenPhase::Workspace::measureVelocities() {
+  for (int r = 0; r < problem->count(); ++r)
+    fastest = std::max(fastest, magnitude[r] / metric[r]);
+}
+
 // Velocities that are zero but for the rounding of J v: compared with the largest one, in the metric of D.
 void FrozenPhase::Workspace::roundVelocities() {
-  for (int r = 0; r < problem->count(); ++r)
-    fastest = std::max(fastest, std::abs(velocity[r]) / metric[r]);
   for (int r = 0; r < problem->count(); ++r)
     if (std::abs(velocity[r]) <= std::max(zero * fastest * metric[r], problem->resolution))
       velocity[r] = 0;
@@ -94,16 +97,6 @@ void FrozenPhase::Workspace::roundVelocities() {
 void FrozenPhase::Workspace::coarsen() {
   zero = std::max(zero, problem->resolution / fastest);
   zero = std::max(zero, std::min(coarsening * zero, coarsest));
-}
-
-// What changes no velocity by more than counts as zero.
-void FrozenPhase::Workspace::discardStores() {
-  for (int i = 0; i < problem->normalCount; ++i) {
-    const double gain =
-        problem->law[i] == ImpactLaw::Stronge ? std::sqrt(2 * std::max(restitution.work(i), 0.0)) : restitution.impulse(i) * metric[i];
-    if (restitution.stored(i) && gain <= zero * fastest)
-      restitution.set(i, 0, 0);
-  }
 }
 
 void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
@@ -117,10 +110,13 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
     metric[r] = at.delassus(r, r) > 0 ? std::sqrt(at.delassus(r, r)) : 1.0;
   zero = rounding;
   fastest = 0;
+  magnitude.resize(count);
+  for (int r = 0; r < count; ++r)
+    magnitude[r] = std::abs(velocity[r]);
+  measureVelocities();
   roundVelocities();
   if (forced >= 0)
     velocity[forced] = std::min(velocity[forced], 0.0);
-  magnitude.resize(count);
   for (int r = 0; r < count; ++r)
     magnitude[r] = std::abs(velocity[r]);
   restitution.begin(at.restitution, at.law, at.rate, {velocity.data(), static_cast<std::size_t>(at.normalCount)});
@@ -279,14 +275,12 @@ void FrozenPhase::Workspace::advance(int row, double duration) {
     // Zeros at the same instant differ by rounding.
     if (r == row || (before * acceleration[r] < 0 && std::abs(velocity[r]) <= rounding * magnitude[r]))
       velocity[r] = 0;
-    fastest = std::max(fastest, magnitude[r] / metric[r]);
     impulse[r] += force[r] * duration;
     increment[r] = acceleration[r] * duration;
     increment[count + r] = force[r] * duration;
   }
-  for (int r = 0; r < count; ++r)
-    if (std::abs(velocity[r]) <= std::max(zero * fastest * metric[r], problem->resolution))
-      velocity[r] = 0;
+  measureVelocities();
+  roundVelocities();
   increment[2 * static_cast<std::size_t>(count)] = duration;
   tau += duration;
   tail.add(row, increment);
