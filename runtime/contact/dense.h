@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include <cstddef>
+#include <cstring>
 #include <vector>
 
 namespace tf::runtime {
@@ -42,6 +43,12 @@ private:
   std::vector<double> data_;
   int rows_ = 0, cols_ = 0;
 };
+
+// Columns i and j of a symmetric matrix are the same to the bit, and so is what they have on the diagonal.
+[[nodiscard]] inline bool areEqualColumns(const DenseMatrix &symmetric, int i, int j) {
+  return symmetric(i, i) == symmetric(j, j) &&
+         std::memcmp(symmetric.column(i), symmetric.column(j), sizeof(double) * static_cast<std::size_t>(symmetric.rows())) == 0;
+}
 
 }  // namespace tf::runtime
 

@@ -2,21 +2,17 @@
 
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 
 namespace tf::runtime {
 
 bool EqualShares::choose(const DenseMatrix &delassus, const std::vector<int> &rows, const std::vector<std::uint8_t> &isAlone, int count) {
-  const std::size_t unknowns = rows.size(), bytes = sizeof(double) * static_cast<std::size_t>(delassus.rows());
+  const std::size_t unknowns = rows.size();
   set_.resize(unknowns);
   sample_.clear();
   root_.clear();
-  diagonal_.clear();
   for (std::size_t p = 0; p < unknowns; ++p) {
-    const double diagonal = delassus(rows[p], rows[p]);
     std::size_t s = isAlone[p] != 0 ? sample_.size() : 0;
-    while (s < sample_.size() && (diagonal_[s] != diagonal || isAlone[sample_[s]] != 0 ||
-                                  std::memcmp(delassus.column(rows[sample_[s]]), delassus.column(rows[p]), bytes) != 0))
+    while (s < sample_.size() && (isAlone[sample_[s]] != 0 || !areEqualColumns(delassus, rows[sample_[s]], rows[p])))
       ++s;
     set_[p] = static_cast<int>(s);
     if (s < sample_.size()) {
@@ -27,7 +23,6 @@ bool EqualShares::choose(const DenseMatrix &delassus, const std::vector<int> &ro
       return false;
     sample_.push_back(static_cast<int>(p));
     root_.push_back(1);
-    diagonal_.push_back(diagonal);
   }
   if (static_cast<int>(sample_.size()) != count)
     return false;

@@ -35,7 +35,7 @@ public:
 
 private:
   std::vector<int> set_, sample_;
-  std::vector<double> root_, diagonal_;
+  std::vector<double> root_;
   LuFactor factor_;
   std::vector<double> bounds_;  // after `solve`: of sets, √(number of unknowns) times each one's share
   std::vector<double> multipliers_;

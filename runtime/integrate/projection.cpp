@@ -2,19 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <limits>
 
 namespace tf::runtime {
-
-namespace {
-
-bool areEqualRows(const DenseMatrix &delassus, int i, int j) {
-  return delassus(i, i) == delassus(j, j) &&
-         std::memcmp(delassus.column(i), delassus.column(j), sizeof(double) * static_cast<std::size_t>(delassus.rows())) == 0;
-}
-
-}  // namespace
 
 Projection::Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem)
     : at_(evaluation), rows_(rows), problem_(problem), change_(evaluation.model().nv), constraintChange_(evaluation.model().nh),
@@ -70,7 +60,7 @@ void Projection::correctWithDelassus(double *target) {
     // Of equal rows the first one stands for all.
     for (int i = 0; i < rows; ++i)
       if (corrected_[i] &&
-          std::none_of(chosen_.begin(), chosen_.end(), [&](int other) { return areEqualRows(problem_.delassus, i, other); }))
+          std::none_of(chosen_.begin(), chosen_.end(), [&](int other) { return areEqualColumns(problem_.delassus, i, other); }))
         chosen_.push_back(i);
     factorise(dependence);
     solution_.resize(chosen_.size());
