@@ -4,6 +4,7 @@
 #include "runtime/contact/null_space.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
 namespace tf::runtime {
@@ -141,7 +142,8 @@ void ForceSet::forceRates(const ContactProblem &problem, const double *accelerat
 void ForceSet::leastNormRates(const ContactProblem &problem, const double *accelerationRate, const double *limitRate,
                               const ShareRates *shares, double *forceRate) {
   view(problem);
-  solveAll();
+  [[maybe_unused]] const bool hasAll = solveAll();
+  assert(hasAll);
   ContactRowData rates = rows_;
   rates.bias = accelerationRate;
   rates.offset = limitRate;
@@ -207,7 +209,8 @@ void ForceSet::shareGradient(const ShareRates &shares) {
 
 const std::vector<double> &ForceSet::shareMultipliers(const ContactProblem &problem) {
   view(problem);
-  solveAll();
+  [[maybe_unused]] const bool hasAll = solveAll();
+  assert(hasAll);
   const int count = rows_.normalCount + rows_.tangentCount;
   Eigen::VectorXd equations;
   limitMultiplier_.assign(limits_.size(), 0.0);
@@ -560,9 +563,11 @@ double ForceSet::contradiction() const {
   return worst / forceScale_;
 }
 
-void ForceSet::release(int k) {
-  solveAll();
+bool ForceSet::release(int k) {
+  if (!solveAll())
+    return false;
   polyhedron_.release(activeCount() + k);
+  return true;
 }
 
 LeastNorm::Status ForceSet::activate(int k) {

@@ -96,7 +96,8 @@ public:
   // Slack of limits()[k] at forces().
   [[nodiscard]] double slack(const ContactProblem &problem, int k) const;
   LeastNorm::Status activate(int k);
-  void release(int k);
+  // False: what has given the forces has no polyhedron's data, see solveAll.
+  [[nodiscard]] bool release(int k);
 
   [[nodiscard]] const std::vector<double> &forces() const { return forces_; }
   [[nodiscard]] const std::vector<double> &accelerations();

@@ -147,7 +147,7 @@ MarginOutcome ModeForces::cross(int margin) {
     if (!w.set->isInside() || w.set->confine(*w.problem, feasibility) != LeastNorm::Status::Solved)
       return MarginOutcome::ModeEnds;
   } else if (w.margins[margin].multiplier) {
-    w.set->release(margin);
+    exists = w.set->release(margin);
   } else {
     exists = w.set->activate(margin) != LeastNorm::Status::Empty;
   }
