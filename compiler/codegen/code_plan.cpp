@@ -183,8 +183,8 @@ private:
     done_[position(id)] = 1;
   }
 
-  // Sine and cosine of the same argument are evaluated side by side, where the back end makes one call of the two: it costs hardly more
-  // than the call of one, so that a partner follows the other out of its group.
+  // Sine and cosine of the same argument are evaluated side by side, where one call gives both: it costs hardly more than one of them, so
+  // that a partner follows the other out of its group.
   void findPartners() {
     std::unordered_map<NodeId, NodeId> firstOf;  // by argument
     for (const NodeId id : reached_.nodes()) {

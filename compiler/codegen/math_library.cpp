@@ -59,8 +59,6 @@ llvm::FunctionCallee mathFunction(llvm::Module &module, std::string_view name, s
   function->addFnAttr(llvm::Attribute::NoFree);
   function->addFnAttr(llvm::Attribute::NoSync);
   function->addFnAttr(llvm::Attribute::NonLazyBind);  // called through its table entry, without a stub
-  if (name == "sin" || name == "cos")
-    function->setConvergent();  // stays beside its partner, for one call of the two
   return callee;
 }
 

@@ -11,7 +11,7 @@ struct SineAndCosine {
   double sine, cosine;
 };
 
-// Beyond, and of what is no number: the C library.
+// Beyond, parts of π/2 are too few.
 constexpr double largestReducedAngle = 1e6;
 constexpr double twoOverPi = 0x1.45f306dc9c883p-1;
 // Added to a number below 2^51 and subtracted again, it leaves the nearest integer, whose last bits are those of the sum.
@@ -23,6 +23,7 @@ constexpr double sineCoefficients[] = {-0x1.5555555555549p-3, 0x1.111111110f8a6p
 constexpr double cosineCoefficients[] = {0x1.555555555554cp-5,   -0x1.6c16c16c15177p-10, 0x1.a01a019cb159p-16,
                                          -0x1.27e4f809c52adp-22, 0x1.1ee9ebdb4b1c4p-29,  -0x1.8fae9be8838d4p-37};
 
+// Of an angle in rad. Of angles of 1e6 and more they are the C library's.
 [[nodiscard]] SineAndCosine sineAndCosine(double angle);
 
 }  // namespace tf

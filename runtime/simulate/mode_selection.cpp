@@ -61,7 +61,7 @@ void ModeSelection::setStepVariables(double time, const double *state, const Mod
     at_.switchGradients(ofTime_.data());
     for (int j = 0; j < model.ns; ++j) {
       const bool slides = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
-      if (slides && hint.index != j)
+      if (slides && hint.leavingSwitch != j)
         continue;
       const double value = sideOf(j, hint) == Switch::One ? 1 : 0;
       changes = changes || at_.stepVariable[j] != value;
@@ -107,8 +107,8 @@ std::string ModeSelection::negativeFriction() const {
 // On its surface a switch of time has the side to which time goes, any other one the relation as written.
 Switch ModeSelection::sideOf(int j, EventHint hint) const {
   const tf_switch &one = at_.model().switches[j];
-  if (hint.index == j)
-    return hint.value;
+  if (hint.leavingSwitch == j)
+    return hint.side;
   if (std::abs(at_.condition[j]) > tolerances_.condition)
     return at_.condition[j] > 0 ? Switch::One : Switch::Zero;
   const int columns = at_.columns();
@@ -127,7 +127,7 @@ void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
   mode_.switches.assign(model.ns, Switch::Zero);
   for (int j = 0; j < model.ns; ++j) {
     const double c = at_.condition[j];
-    const bool hinted = hint.index == j;
+    const bool hinted = hint.leavingSwitch == j;
     const bool slid = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
     if (!hinted && !slid && std::abs(c) > tolerances_.condition) {
       mode_.switches[j] = c > 0 ? Switch::One : Switch::Zero;
@@ -138,8 +138,8 @@ void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
     Choices order;
     if (slid && !hinted)
       order.add(Switch::Sliding);
-    order.add(hinted ? hint.value : written);
-    order.add((hinted ? hint.value : written) == Switch::One ? Switch::Zero : Switch::One);
+    order.add(hinted ? hint.side : written);
+    order.add((hinted ? hint.side : written) == Switch::One ? Switch::Zero : Switch::One);
     if (model.switches[j].kind == TF_SWITCH_SLIDING && !slid)
       order.add(Switch::Sliding);
     choices_.push_back(order);

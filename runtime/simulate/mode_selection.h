@@ -35,8 +35,8 @@ struct Selection {
 // What an event says: a switch has just left its sliding mode on this side, or the normal force of a contact is zero, which the solution of
 // an ill-conditioned contact problem would show as far as its error only.
 struct EventHint {
-  int index = -1;
-  Switch value = Switch::Zero;
+  int leavingSwitch = -1;
+  Switch side = Switch::Zero;
   int forceless = -1;  // contact
 };
 

@@ -19,6 +19,7 @@ void Simulation::Implementation::readApproaches() {
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, EventHint hint) {
   approaches_.clear();
+  // An impulse, which makes another pass, makes another normal force.
   for (int pass = 0; pass < 50; ++pass, hint.forceless = -1) {
     const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
