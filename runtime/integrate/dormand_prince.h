@@ -13,7 +13,6 @@ public:
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   void interpolate(double theta, double *y) const override;
-  [[nodiscard]] bool isGoodInside() const override { return true; }
   [[nodiscard]] double errorOrder() const override { return 5; }
   [[nodiscard]] int interiorStages() const override { return 4; }
 };

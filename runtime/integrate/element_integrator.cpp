@@ -191,16 +191,7 @@ StepStatus ElementIntegrator::step(double limit) {
   }
 }
 
-// Where the tolerance is loose the step is not solved anew: the interpolant is off by what the tolerance allows, which the step itself is
-// better than by little. Directions of slips of two components are not smooth enough.
-bool ElementIntegrator::endsOnInterpolant() const {
-  constexpr double loose = 1e-3;
-  return settings_.fixedStep <= 0 && settings_.tolerance >= loose && method().isGoodInside() && !dynamics_.hasTurningSlips();
-}
-
 bool ElementIntegrator::shorten(double time) {
-  if (endsOnInterpolant())
-    return SmoothIntegrator::moveInside(time);
   // Where slips of two components have just begun, implicit equations cannot be solved to rounding, but as well as those of the step.
   if (!solve(time - beginTime_, 1e-15) && !solve(time - beginTime_, stepAccuracy()))
     return false;

@@ -59,7 +59,6 @@ private:
   [[nodiscard]] double lengthBeyondEvent() const;
   bool solve(double h, double accuracy);
   void adopt(double time);
-  [[nodiscard]] bool endsOnInterpolant() const;
   double initialStep(double limit);
   void updateScale();
   void watchStability();

@@ -29,8 +29,6 @@ public:
   virtual void interpolate(double theta, double *y) const = 0;
   // The next interpolate() evaluates the dynamics.
   [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
-  // The error of the interpolant is of the size that the element's error estimate allows.
-  [[nodiscard]] virtual bool isGoodInside() const { return false; }
   // The last element becomes the past that starting values are taken from.
   virtual void accept() {}
   // What it has learnt from the steps of a run and would make use of in other modes.

@@ -21,7 +21,6 @@ public:
              double accuracy) override;
   // From both ends (StepEnds).
   void interpolate(double theta, double *y) const override;
-  [[nodiscard]] bool isGoodInside() const override { return true; }
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return largestError(scale) / tolerance; }
   [[nodiscard]] double errorOrder() const override { return 4; }
   [[nodiscard]] int interiorStages() const override { return tableau_->stages - 1; }

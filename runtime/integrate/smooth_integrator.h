@@ -42,8 +42,7 @@ public:
   void expectEvent(double time) { expected_ = time; }
   // One step from where the last one ended, not beyond `limit`.
   virtual StepStatus step(double limit) = 0;
-  // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy, or where the tolerance is loose
-  // to that of the interpolant.
+  // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy.
   virtual bool shorten(double time) = 0;
   // State inside the last step, or beyond its end by at most reach() of its length.
   virtual void interpolate(double time, double *state) = 0;

@@ -25,7 +25,6 @@ public:
   void finish(double error) override;
   void interpolate(double theta, double *y) const override { current().interpolate(theta, y); }
   [[nodiscard]] bool isInterpolantDear() const override { return current().isInterpolantDear(); }
-  [[nodiscard]] bool isGoodInside() const override { return current().isGoodInside(); }
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return current().errorNorm(scale, tolerance); }
   [[nodiscard]] double errorOrder() const override { return current().errorOrder(); }
   [[nodiscard]] int interiorStages() const override { return current().interiorStages(); }

@@ -99,49 +99,6 @@ InMode slidingBox(std::vector<double> &state) {
   return InMode(test::boxModel(), mode, state);
 }
 
-struct ShortenedStep {
-  long long evaluations = 0;
-  double time = 0, error = 0, rateError = 0;
-};
-
-// The first step of the belt's mass, ended in the middle.
-ShortenedStep shortenedStep(double tolerance) {
-  InMode belt(test::beltModel(), {{}, {Tangent::SlipNegative}, {}}, {0, -0.1, 0});
-  IntegratorSettings settings;
-  settings.tolerance = tolerance;
-  settings.scale.assign(3, 1.0);
-  ElementIntegrator integrator(belt.dynamics, settings, dormandPrince(3));
-  double state[] = {0, -0.1, 0}, rate[3];
-  EXPECT_TRUE(belt.dynamics.evaluate(0, state, rate));
-  integrator.start(0, state, rate, 0);
-  EXPECT_EQ(integrator.step(1), StepStatus::Done);
-  const double middle = 0.5 * integrator.endTime();
-  const long long before = belt.dynamics.evaluations();
-  EXPECT_TRUE(integrator.shorten(middle));
-  const double position = 0.25 - 0.25 * std::cos(2 * middle) - 0.05 * std::sin(2 * middle);
-  const double velocity = 0.5 * std::sin(2 * middle) - 0.1 * std::cos(2 * middle);
-  return {belt.dynamics.evaluations() - before, integrator.endTime() / middle,
-          std::hypot(integrator.end()[0] - position, integrator.end()[1] - velocity),
-          std::abs(integrator.endRate()[1] - (1 - 4 * integrator.end()[0]))};
-}
-
-TEST(ElementIntegratorTest, EndsStepsOnTheInterpolantWhereTheToleranceIsLoose) {
-  for (const double tolerance : {1e-1, 1e-2, 1e-3}) {
-    const ShortenedStep step = shortenedStep(tolerance);
-    EXPECT_EQ(step.evaluations, 1);
-    EXPECT_EQ(step.time, 1);
-    EXPECT_LE(step.error, tolerance);
-    EXPECT_LE(step.rateError, 1e-14);
-  }
-}
-
-TEST(ElementIntegratorTest, SolvesShortenedStepsAnewWhereTheToleranceIsTight) {
-  const ShortenedStep step = shortenedStep(1e-6);
-  EXPECT_EQ(step.evaluations, 6);
-  EXPECT_EQ(step.time, 1);
-  EXPECT_LE(step.error, 1e-7);
-}
-
 TEST(ModeDynamicsTest, JacobianAgreesWithDifferences) {
   std::vector<double> state;
   InMode box = slidingBox(state);
