@@ -15,7 +15,7 @@ using test::chain;
 using test::frozen;
 using test::velocityAfter;
 
-constexpr double gravity = 9.81;
+constexpr double standardGravity = 9.81;
 
 void expectVelocity(const Eigen::VectorXd &value, const Eigen::VectorXd &expected, double tolerance) {
   ASSERT_EQ(value.size(), expected.size());
@@ -25,7 +25,7 @@ void expectVelocity(const Eigen::VectorXd &value, const Eigen::VectorXd &expecte
 
 TEST(ReferenceImpacts, FallingRodFirstImpact) {
   const auto rod = body(1, 1.0 / 12, std::numbers::pi / 4, {{-0.5, 0}, {0.5, 0}}, 0.3);
-  const Eigen::Vector3d before(2, -gravity * 0.31927542840705037, 0);
+  const Eigen::Vector3d before(2, -standardGravity * 0.31927542840705037, 0);
   FrozenPhase phase;
   const FrozenResult &result = phase.run(frozen(rod, before, {0}));
   expectVelocity(velocityAfter(rod, before, {0}, result.impulse),
@@ -35,7 +35,7 @@ TEST(ReferenceImpacts, FallingRodFirstImpact) {
 TEST(ReferenceImpacts, FallingRodSecondImpactAfterAFlight) {
   const double flight = 0.38223288812574296 - 0.31927542840705037;
   const auto rod = body(1, 1.0 / 12, 0.43023884932340861, {{-0.5, 0}, {0.5, 0}}, 0.3);
-  const Eigen::Vector3d before(1.8079484158383492, -1.9944861221008892 - gravity * flight, -5.6412586476799955);
+  const Eigen::Vector3d before(1.8079484158383492, -1.9944861221008892 - standardGravity * flight, -5.6412586476799955);
   FrozenPhase phase;
   const FrozenResult &result = phase.run(frozen(rod, before, {0}));
   expectVelocity(velocityAfter(rod, before, {0}, result.impulse),
@@ -45,7 +45,7 @@ TEST(ReferenceImpacts, FallingRodSecondImpactAfterAFlight) {
 TEST(ReferenceImpacts, FallingBoxOnOneCorner) {
   const double t = 0.29174008758950942;
   const auto box = body(1, 1.36 / 12, 2.066960350358038, {{-0.5, 0.3}}, 0.2);
-  const Eigen::Vector3d before(3, -gravity * t, 4);
+  const Eigen::Vector3d before(3, -standardGravity * t, 4);
   FrozenPhase phase;
   const FrozenResult &result = phase.run(frozen(box, before, {0}));
   expectVelocity(velocityAfter(box, before, {0}, result.impulse),
@@ -55,7 +55,7 @@ TEST(ReferenceImpacts, FallingBoxOnOneCorner) {
 TEST(ReferenceImpacts, ChainFirstNode) {
   const auto links = chain({0.9, 0.65, 0.4}, 1.0 / 3, 1.0 / 3, 0.5);
   Eigen::VectorXd before(5), after(5);
-  before << 0.5, -gravity * 0.24730968341474902, 0, 0, 0;
+  before << 0.5, -standardGravity * 0.24730968341474902, 0, 0, 0;
   after << -0.78987871783712726, 0, -7.7303882917258626, 0.10775805775734876, -2.296562666759546;
   FrozenPhase phase;
   const FrozenResult &result = phase.run(frozen(links, before, {0}));
