@@ -26,7 +26,7 @@ constexpr std::array<std::uint8_t, 256> makeClasses() {
   return classes;
 }
 
-constexpr std::array<std::uint8_t, 256> classes = makeClasses();
+constexpr std::array<std::uint8_t, 256> characterClasses = makeClasses();
 
 // Operators of other languages: what is written, what is meant.
 struct ForeignOperator {
@@ -57,7 +57,7 @@ public:
 private:
   [[nodiscard]] char at(std::size_t position) const { return position < text_.size() ? text_[position] : '\0'; }
   [[nodiscard]] std::uint8_t classAt(std::size_t position) const {
-    return position < text_.size() ? classes[static_cast<unsigned char>(text_[position])] : static_cast<std::uint8_t>(Other);
+    return position < text_.size() ? characterClasses[static_cast<unsigned char>(text_[position])] : static_cast<std::uint8_t>(Other);
   }
   [[nodiscard]] bool isWordAt(std::size_t position) const { return classAt(position) == Letter || classAt(position) == Digit; }
   [[nodiscard]] Span span(std::size_t begin, std::size_t end) const {
