@@ -11,6 +11,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <unistd.h>
+#include <utility>
 
 namespace tf::test {
 
@@ -43,10 +44,10 @@ std::string readText(const std::string &path) {
   return text.str();
 }
 
-// The compiled library of a source file.
+// The compiled library of a source file, which other tests of the process may have written before with other text.
 const std::string &compiled(const std::string &file) {
-  static std::map<std::string, std::string> libraries;
-  std::string &library = libraries[file];
+  static std::map<std::pair<std::string, std::string>, std::string> libraries;
+  std::string &library = libraries[{file, readText(file)}];
   if (library.empty()) {
     const std::string out = workFolder().file("model" + std::to_string(libraries.size()) + ".so"),
                       log = workFolder().file("diagnostics.txt");
