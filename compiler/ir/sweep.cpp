@@ -8,6 +8,7 @@
 #include <bit>
 #include <cassert>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 
 namespace tf::ir {
@@ -15,8 +16,9 @@ namespace tf::ir {
 namespace {
 
 constexpr std::size_t wordBits = 64;
-// Written out, an entry takes about so many (chains of links: 4 to 9, more for longer ones).
-constexpr std::size_t operationsPerEntry = 4;
+// Expressions must be so many times as large as one pass of a loop: some of what is written out simplifies away, and operations of a loop
+// are on vectors and are executed in every pass.
+constexpr std::size_t loopWeight = 4;
 
 // Rows of bits.
 class BitTable {
@@ -29,8 +31,15 @@ public:
       bits_[row * words_ + w] |= bits_[other * words_ + w];
   }
   [[nodiscard]] std::span<const std::uint64_t> row(std::size_t row) const { return std::span(bits_).subspan(row * words_, words_); }
+  [[nodiscard]] std::size_t count() const { return countOf(bits_); }
+  [[nodiscard]] std::size_t count(std::size_t row) const { return countOf(this->row(row)); }
 
 private:
+  static std::size_t countOf(std::span<const std::uint64_t> words) {
+    return std::accumulate(words.begin(), words.end(), std::size_t{0},
+                           [](std::size_t sum, std::uint64_t word) { return sum + static_cast<std::size_t>(std::popcount(word)); });
+  }
+
   std::size_t words_;
   std::vector<std::uint64_t> bits_;
 };
@@ -83,10 +92,8 @@ void clearRows(Function &function, std::span<const MatrixRow> rows, const std::v
   }
 }
 
-}  // namespace
-
-std::vector<std::vector<int>> seedStructure(const Graph &graph, std::span<const NodeId> results, int seedCount) {
-  const Subgraph reached(graph, results);
+// The seeds that each node depends on.
+BitTable seedsOfNodes(const Graph &graph, const Subgraph &reached, int seedCount) {
   BitTable depends(static_cast<std::size_t>(reached.size()), static_cast<std::size_t>(seedCount));
   for (std::size_t k = 0; k < static_cast<std::size_t>(reached.size()); ++k) {
     const Node &node = graph[reached.node(static_cast<int>(k))];
@@ -95,18 +102,19 @@ std::vector<std::vector<int>> seedStructure(const Graph &graph, std::span<const 
     for (int j = 0; j < node.arity; ++j)
       depends.unite(k, static_cast<std::size_t>(reached.position(node.operands[j])));
   }
+  return depends;
+}
+
+}  // namespace
+
+std::vector<std::vector<int>> seedStructure(const Graph &graph, std::span<const NodeId> results, int seedCount) {
+  const Subgraph reached(graph, results);
+  const BitTable depends = seedsOfNodes(graph, reached, seedCount);
   std::vector<std::vector<int>> structure;
   structure.reserve(results.size());
   for (const NodeId result : results)
     structure.push_back(indicesOf(depends.row(static_cast<std::size_t>(reached.position(result)))));
   return structure;
-}
-
-std::size_t entryCount(const std::vector<std::vector<int>> &structure) {
-  std::size_t count = 0;
-  for (const std::vector<int> &seeds : structure)
-    count += seeds.size();
-  return count;
 }
 
 std::vector<int> colourSeeds(const std::vector<std::vector<int>> &structure, int seedCount) {
@@ -132,10 +140,14 @@ std::vector<int> colourSeeds(const std::vector<std::vector<int>> &structure, int
   return colours;
 }
 
-bool isSweepSmaller(const Graph &graph, std::span<const NodeId> results, const std::vector<std::vector<int>> &structure,
-                    std::size_t fewEntries) {
-  const std::size_t entries = entryCount(structure);
-  return entries > fewEntries && operationsPerEntry * entries > static_cast<std::size_t>(Subgraph(graph, results).size());
+// Written out, a node that depends on seeds is there once for each of them.
+bool isSweepSmaller(const Graph &graph, std::span<const NodeId> results, int seedCount, std::size_t fewEntries) {
+  const Subgraph reached(graph, results);
+  const BitTable seeds = seedsOfNodes(graph, reached, seedCount);
+  const std::size_t entries = std::accumulate(results.begin(), results.end(), std::size_t{0}, [&](std::size_t sum, NodeId result) {
+    return sum + seeds.count(static_cast<std::size_t>(reached.position(result)));
+  });
+  return entries > fewEntries && seeds.count() > loopWeight * static_cast<std::size_t>(reached.size());
 }
 
 std::vector<double> evaluateMatrix(const Graph &graph, std::span<const NodeId> results, int seedCount,

@@ -10,15 +10,13 @@ namespace tf::ir {
 
 // The seeds that each result depends on, ascending. One pass over what the results reach.
 [[nodiscard]] std::vector<std::vector<int>> seedStructure(const Graph &graph, std::span<const NodeId> results, int seedCount);
-[[nodiscard]] std::size_t entryCount(const std::vector<std::vector<int>> &structure);
 
 // A colour (from 0) for each seed, such that no result depends on two seeds of one colour: greedy, in the order of the seeds.
 [[nodiscard]] std::vector<int> colourSeeds(const std::vector<std::vector<int>> &structure, int seedCount);
 
-// A loop instead of expressions for entries: the expressions are many, and larger together than what is evaluated in one pass of the loop.
-// `fewEntries`: so many may always be written out.
-[[nodiscard]] bool isSweepSmaller(const Graph &graph, std::span<const NodeId> results, const std::vector<std::vector<int>> &structure,
-                                  std::size_t fewEntries);
+// A loop instead of expressions for the entries ∂results/∂seeds: the expressions are many, and several times as large together as what is
+// evaluated in one pass of the loop. `fewEntries`: so many entries that are not structural zeros may always be written out.
+[[nodiscard]] bool isSweepSmaller(const Graph &graph, std::span<const NodeId> results, int seedCount, std::size_t fewEntries);
 
 // The matrix ∂results/∂seeds [results × seeds, row-major] as numbers.
 [[nodiscard]] std::vector<double> evaluateMatrix(const Graph &graph, std::span<const NodeId> results, int seedCount,

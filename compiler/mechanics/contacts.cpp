@@ -62,7 +62,7 @@ std::vector<NodeId> contactForce(HybridSystem &system) {
       moves[static_cast<std::size_t>(seed)] = 1;
   const auto isVelocity = [](ir::Symbol symbol) { return symbol.kind == SymbolKind::Velocity; };
   if (std::ranges::count(moves, 0) > 0 || ir::dependsOn(graph, force, isVelocity) ||
-      !ir::isSweepSmaller(graph, force, structure, fewRowEntries))
+      !ir::isSweepSmaller(graph, force, count, fewRowEntries))
     return {};
   return force;
 }

@@ -132,7 +132,7 @@ void deriveDynamics(Derivation &derivation) {
   if (entries <= fewEntries)
     return;
   system.massProduct = massProduct(system);
-  if (!ir::isSweepSmaller(system.graph, system.massProduct, ir::seedStructure(system.graph, system.massProduct, system.nv), fewEntries)) {
+  if (!ir::isSweepSmaller(system.graph, system.massProduct, system.nv, fewEntries)) {
     deriveMass(system, all);
     system.massProduct.clear();
   }

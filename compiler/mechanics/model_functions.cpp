@@ -385,15 +385,14 @@ bool ModelFunctions::jacobianSweep(FunctionBuilder &builder, const std::vector<N
     const auto column = columnOf.find({symbol.kind, symbol.index});
     return column == columnOf.end() ? graph_.constant(0) : graph_.symbol(SymbolKind::Seed, column->second);
   });
-  const std::vector<std::vector<int>> structure = ir::seedStructure(graph_, results, columns);
-  if (!ir::isSweepSmaller(graph_, results, structure, mechanics::fewEntries))
+  if (!ir::isSweepSmaller(graph_, results, columns, mechanics::fewEntries))
     return false;
   std::vector<int> sizes(static_cast<std::size_t>(buffers), 0);
   for (const ir::MatrixRow &row : rows)
     sizes[static_cast<std::size_t>(row.buffer)] += columns;
   for (const int size : sizes)
     builder.emptyBuffer(size);
-  builder.sweep(results, structure, columns, ir::SweepOver::Columns, rows);
+  builder.sweep(results, ir::seedStructure(graph_, results, columns), columns, ir::SweepOver::Columns, rows);
   return true;
 }
 

@@ -59,6 +59,35 @@ end Generated;
                      size);
 }
 
+// Spheres any two of which may touch, with slips of two components between them: each contact moves the twelve velocities of two bodies.
+std::string roughSpheres(int size) {
+  std::string first, second;
+  int pairs = 0;
+  for (int i = 1; i <= size; ++i) {
+    for (int j = i + 1; j <= size; ++j, ++pairs) {
+      first += fmt::format("{}{}", pairs == 0 ? "" : ", ", i);
+      second += fmt::format("{}{}", pairs == 0 ? "" : ", ", j);
+    }
+  }
+  return fmt::format(R"(model Generated
+  parameter Real m = 0.5, r = 0.05, mu = 0.3;
+  parameter Integer a[{1}] = {{{2}}}, b[{1}] = {{{3}}};
+  coordinate Real p[{0}, 3](start = {{{{0.2*i, 0, 0}} for i in 1:{0}}});
+  coordinate Rotation Q[{0}];
+  Real w[{0}, 3] = {{Q[i]*Q[i].w for i in 1:{0}}};
+  body ball[{0}](each mass = m, position = p, orientation = Q, each inertia = 2/5*m*r^2*identity(3));
+  Real d[{1}, 3] = {{p[b[k], :] - p[a[k], :] for k in 1:{1}}};
+  Real n[{1}, 3] = {{d[k, :]/sqrt(d[k, :]*d[k, :]) for k in 1:{1}}};
+  Real h[{1}, 3] = {{cross({{0.1, 0.2, 1}}, n[k, :]) for k in 1:{1}}};
+  Real t[{1}, 3] = {{h[k, :]/sqrt(h[k, :]*h[k, :]) for k in 1:{1}}};
+  Real v[{1}, 3] = {{der(p[b[k], :]) - der(p[a[k], :]) - r*cross(w[a[k], :] + w[b[k], :], n[k, :]) for k in 1:{1}}};
+  contact pair[{1}](gap = {{sqrt(d[k, :]*d[k, :]) - 2*r for k in 1:{1}}},
+                    slip = {{{{t[k, :]*v[k, :], cross(n[k, :], t[k, :])*v[k, :]}} for k in 1:{1}}}, each friction = mu);
+end Generated;
+)",
+                     size, pairs, first, second);
+}
+
 // Nodes that the system's own expressions reach, before any derivatives for integrators.
 int countNodes(const HybridSystem &system) {
   std::vector<ir::NodeId> open;
@@ -67,6 +96,12 @@ int countNodes(const HybridSystem &system) {
   add(system.force);
   add(system.stateDerivatives);
   add(system.outputs);
+  for (const Contact &contact : system.contacts) {
+    add({contact.gap, contact.gapRate, contact.bias});
+  }
+  for (const TangentRow &tangent : system.tangents) {
+    add({tangent.slip, tangent.bias});
+  }
   std::vector<bool> seen(static_cast<std::size_t>(system.graph.size()));
   int count = 0;
   while (!open.empty()) {
@@ -154,6 +189,7 @@ std::vector<Measurement> compileTime(const Setup &setup) {
   measureFamily(setup, generator, "first-order equations", reactions, {50, 100, 200, 400}, out);
   measureFamily(setup, generator, "oscillators", oscillators, {25, 50, 100}, out);
   measureFamily(setup, generator, "links of a chain", chain, {8, 16, 32, 64, 128}, out);
+  measureFamily(setup, generator, "rough spheres", roughSpheres, {4, 8, 16}, out);
   return out;
 }
 

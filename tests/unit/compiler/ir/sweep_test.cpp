@@ -52,6 +52,34 @@ TEST(ColourSeeds, AreProperForRandomStructures) {
   }
 }
 
+// Sums of `width` seeds, each sum times `factors` functions that no other has: so many seeds go through each chain of products.
+std::vector<NodeId> sumsOfProducts(Graph &g, int rows, int width, int factors) {
+  std::vector<NodeId> results;
+  for (int r = 0; r < rows; ++r) {
+    NodeId sum = g.constant(0);
+    for (int k = 0; k < width; ++k)
+      sum = g.add(sum, g.symbol(SymbolKind::Seed, (r + k) % rows));
+    for (int k = 0; k < factors; ++k)
+      sum = g.mul(sum, g.add(g.symbol(SymbolKind::Coordinate, r), g.constant(1 + k)));
+    results.push_back(sum);
+  }
+  return results;
+}
+
+TEST(IsSweepSmaller, WhereManySeedsGoThroughTheSameOperations) {
+  constexpr int n = 60;
+  Graph g;
+  const auto smaller = [&](int width, std::size_t few) {
+    const std::vector<NodeId> results = sumsOfProducts(g, n, width, 30);
+    return isSweepSmaller(g, results, n, few);
+  };
+  // 30 products in each row, once in a loop, or once for each seed; half of a row's nodes depend on no seed.
+  EXPECT_TRUE(smaller(20, 1000));
+  EXPECT_FALSE(smaller(2, 100));
+  EXPECT_FALSE(smaller(1, 10));
+  EXPECT_FALSE(smaller(20, 1200)) << "so few entries may be written out";
+}
+
 // The directional derivatives of a band of functions, J s, and the gradients Jᵀ s, as sweeps.
 class SweepTest : public ::testing::Test {
 protected:
@@ -91,7 +119,10 @@ protected:
 
   void expectJacobian(const std::vector<NodeId> &results, int seeds, SweepOver over) {
     const Structure structure = seedStructure(g, results, seeds);
-    EXPECT_EQ(entryCount(structure), 2 * f.size());
+    std::size_t entries = 0;
+    for (const std::vector<int> &row : structure)
+      entries += row.size();
+    EXPECT_EQ(entries, 2 * f.size());
     Function function{"f", {static_cast<int>(f.size()) * n}, 2, {}};
     addSweep(function, results, structure, seeds, over, rows());
     EXPECT_EQ(verify(function, g), "");
