@@ -2,12 +2,14 @@
 
 #include "runtime/contact/breakpoint_tail.h"
 #include "runtime/contact/contact_solver.h"
+#include "runtime/contact/coupled_contacts.h"
 #include "runtime/contact/frozen_phase.h"
 #include "runtime/contact/single_contact_phase.h"
 #include "runtime/contact/time_speed.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace tf::runtime {
@@ -65,9 +67,8 @@ struct ImpactSequence::Workspace {
   std::vector<double> gap, velocity, acceleration, force;
   std::vector<double> start, outerStart;  // values at the begin of the current entry
   std::vector<int> rows, tangents;        // of the closed or impacting contacts
-  std::vector<std::uint8_t> coupled;      // n × n: contacts whose forces move each other
-  std::vector<int> reached;               // by the impulses of an impact
-  std::vector<std::uint8_t> isReached;    // n
+  CoupledContacts coupled;
+  std::vector<int> approaching;  // of `rows`
   std::vector<double> closedForce, closedRate;
   std::vector<std::vector<int>> innerHits, outerHits;  // contacts with impacts of each entry; the last are those of the current one
   std::vector<double> lastHit;                         // n: time of the last impact
@@ -84,8 +85,6 @@ struct ImpactSequence::Workspace {
   [[nodiscard]] int count() const { return problem->count(); }
   void begin(const SequenceProblem &at);
   void chooseRows(bool resting);
-  void findCoupled();
-  void keepReached();
   void resetTail(BreakpointTail &tail) const;
   [[nodiscard]] std::vector<double> values() const;
   void addEntry(BreakpointTail &tail, std::vector<double> &from, int symbol);
@@ -119,7 +118,7 @@ void ImpactSequence::Workspace::begin(const SequenceProblem &at) {
   lastHit.assign(n(), -infinity);
   fastest = 0;
   flights.clear();
-  findCoupled();
+  coupled.find(at.delassus, at);
   resetTail(inner);
   resetTail(outer);
   start = outerStart = values();
@@ -150,33 +149,6 @@ void ImpactSequence::Workspace::addEntry(BreakpointTail &tail, std::vector<doubl
   from = std::move(now);
 }
 
-void ImpactSequence::Workspace::findCoupled() {
-  coupled.assign(static_cast<std::size_t>(n()) * n(), 0);
-  const auto contactOf = [this](int r) { return r < n() ? r : problem->owner[r - n()]; };
-  for (int c = 0; c < count(); ++c)
-    for (int r = 0; r < count(); ++r)
-      if (const int a = contactOf(r), b = contactOf(c); a >= 0 && b >= 0 && problem->delassus(r, c) != 0)
-        coupled[static_cast<std::size_t>(a) * n() + b] = 1;
-}
-
-// Of `rows` those that impulses of the approaching ones reach, from one to the next.
-void ImpactSequence::Workspace::keepReached() {
-  isReached.assign(n(), 0);
-  reached.clear();
-  for (const int i : rows)
-    if (velocity[i] < 0) {
-      isReached[i] = 1;
-      reached.push_back(i);
-    }
-  for (std::size_t k = 0; k < reached.size(); ++k)
-    for (const int i : rows)
-      if (!isReached[i] && coupled[static_cast<std::size_t>(reached[k]) * n() + i]) {
-        isReached[i] = 1;
-        reached.push_back(i);
-      }
-  std::erase_if(rows, [this](int i) { return !isReached[i]; });
-}
-
 // Contacts with gap 0 that an impact reaches, or (`resting`) that do not open either, and their tangential rows; resting contacts come with
 // the friction elements.
 void ImpactSequence::Workspace::chooseRows(bool resting) {
@@ -185,8 +157,11 @@ void ImpactSequence::Workspace::chooseRows(bool resting) {
   for (int i = 0; i < n(); ++i)
     if (gap[i] == 0 && (!resting || velocity[i] == 0))
       rows.push_back(i);
-  if (!resting)
-    keepReached();
+  if (!resting) {
+    approaching.clear();
+    std::copy_if(rows.begin(), rows.end(), std::back_inserter(approaching), [this](int i) { return velocity[i] < 0; });
+    coupled.keepReached(rows, approaching);
+  }
   for (int j = 0; j < problem->tangentCount; ++j) {
     const int owner = problem->owner[j];
     if (owner < 0 ? resting : std::binary_search(rows.begin(), rows.end(), owner))

@@ -81,9 +81,18 @@ bool SpatialFrozenPhase::Workspace::rate(const Eigen::VectorXd &y, Eigen::Vector
   return true;
 }
 
-// Forces depend on the slips of the pairs that slip alone: their derivatives, by differences.
+// Forces depend on the slips of the pairs that slip alone: their derivatives, by differences. A slip that starts is stiffest where it
+// leaves its reference direction, soon after a begin where it is not stiff at all.
 bool SpatialFrozenPhase::Workspace::linearise() {
   const double increment = 0.1 * stillSpeed;
+  std::vector<double> base = velocity;
+  bool anyStarts = false;
+  for (int j = 0; j < m; ++j)
+    if (isPair(j) && mode.tangent[j] == FrozenMode::Tangent::Slip && slipSpeed(j, velocity) < stillSpeed) {
+      anyStarts = true;
+      for (const int k : {j, j + 1})
+        base[n + k] = stillSpeed * mode.direction[k];
+    }
   turning.clear();
   for (int j = 0; j < m; ++j)
     if (mode.tangent[j] == FrozenMode::Tangent::Slip && problem->partner[j] >= 0)
@@ -93,14 +102,19 @@ bool SpatialFrozenPhase::Workspace::linearise() {
   if (!rate(zeroState, firstRate))
     return false;
   integrator.start(zeroState, firstRate);
+  if (anyStarts && !mode.forces(*problem, base, stillSpeed, pointForce))
+    return false;
+  const std::vector<double> baseForce = pointForce;
   forceByTurn.resize(n + m, count);
   turnByForce.resize(count, n + m);
   for (Eigen::Index k = 0; k < count; ++k) {
-    point = velocity;
+    point = base;
     point[turning[k]] += increment;
     if (!mode.forces(*problem, point, stillSpeed, pointForce))
       return false;
-    forceByTurn.col(k) = (Eigen::Map<const Eigen::VectorXd>(pointForce.data(), n + m) - firstRate.head(n + m)) / increment;
+    forceByTurn.col(k) =
+        (Eigen::Map<const Eigen::VectorXd>(pointForce.data(), n + m) - Eigen::Map<const Eigen::VectorXd>(baseForce.data(), n + m)) /
+        increment;
     turnByForce.row(k) = problem->delassus.map().row(turning[k]);
   }
   turnByTurn = turnByForce * forceByTurn;

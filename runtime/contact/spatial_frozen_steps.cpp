@@ -69,17 +69,24 @@ bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double b
   return true;
 }
 
+bool SpatialFrozenPhase::Workspace::isNormalStill(int i) const { return std::abs(velocity[i]) <= roundingSpeed && !restitution.stored(i); }
+
+// Of a contact that can have friction; of two components the first stands for both.
+bool SpatialFrozenPhase::Workspace::isSlipStill(int j) const {
+  const int owner = problem->owner[j];
+  if (isSecond(j) || problem->friction[j] == 0 || (velocity[owner] > roundingSpeed && !restitution.stored(owner)))
+    return false;
+  return slipSpeed(j, velocity) <= (isPair(j) ? stillSpeed : roundingSpeed);
+}
+
+// Still, but not zero.
 bool SpatialFrozenPhase::Workspace::anyNearZero() const {
   for (int i = 0; i < n; ++i)
-    if (velocity[i] != 0 && std::abs(velocity[i]) <= roundingSpeed && !restitution.stored(i))
+    if (velocity[i] != 0 && isNormalStill(i))
       return true;
-  for (int j = 0; j < m; ++j) {
-    if (isSecond(j) || problem->friction[j] == 0 || (velocity[problem->owner[j]] > roundingSpeed && !restitution.stored(problem->owner[j])))
-      continue;
-    const double speed = slipSpeed(j, velocity);
-    if (speed != 0 && speed <= (isPair(j) ? stillSpeed : roundingSpeed))
+  for (int j = 0; j < m; ++j)
+    if (isSlipStill(j) && slipSpeed(j, velocity) != 0)
       return true;
-  }
   return false;
 }
 
@@ -150,14 +157,31 @@ void SpatialFrozenPhase::Workspace::bringToRest(const std::vector<std::uint8_t> 
     velocity[r] = 0;
 }
 
-// Steps over what is nearly zero until nothing is.
+// Steps over what is nearly zero until nothing is. What these steps neither stop nor start, as the slip of a corner between others that
+// stick, is a rounding error.
 bool SpatialFrozenPhase::Workspace::settleNearZero(int forced) {
-  for (int k = 0; k <= mostDoublings && anyNearZero(); ++k) {
+  constexpr int mostSteps = 9;
+  int steps = 0;
+  for (int k = 0; k <= mostDoublings && steps < mostSteps && anyNearZero(); ++k) {
     const double band = stepBand * stillSpeed * std::ldexp(1.0, k);
-    if (!stepOver(forced, band / largestChange, band) && k == mostDoublings)
+    if (stepOver(forced, band / largestChange, band))
+      ++steps;
+    else if (k == mostDoublings)
       return false;
   }
+  if (anyNearZero())
+    stopNearZero();
   return true;
+}
+
+void SpatialFrozenPhase::Workspace::stopNearZero() {
+  std::vector<std::uint8_t> rests(n + m, 0);
+  for (int i = 0; i < n; ++i)
+    rests[i] = isNormalStill(i);
+  for (int j = 0; j < m; ++j)
+    if (isSlipStill(j))
+      rests[n + j] = rests[n + (isPair(j) ? j + 1 : j)] = 1;
+  bringToRest(rests);
 }
 
 // Where steps follow each other within no time to speak of, leaps over as many of them as possible; where breakpoints do, steps over all

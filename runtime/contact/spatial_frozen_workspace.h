@@ -90,10 +90,13 @@ struct SpatialFrozenPhase::Workspace {
   }
   bool pose(int forced, double step, double band, ConeFrictionProblem &p);
   bool findForces(int forced, double step, double band);
+  [[nodiscard]] bool isNormalStill(int i) const;
+  [[nodiscard]] bool isSlipStill(int j) const;
   [[nodiscard]] bool anyNearZero() const;
   bool poseStep(int forced, double &step, double band);
   bool stepOver(int forced, double step, double band);
   bool settleNearZero(int forced);
+  void stopNearZero();
   void bringToRest(const std::vector<std::uint8_t> &rests);
   void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;
   bool passCrowd(int forced, bool &found);

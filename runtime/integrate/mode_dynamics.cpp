@@ -31,6 +31,7 @@ bool ModeDynamics::isPrepared(const Mode &mode) const {
 bool ModeDynamics::choose(const Mode &mode, double time, const double *state, const SolvedContacts *solved) {
   const tf_model &model = at_.model();
   preparedRevision_ = -1;
+  isBegun_ = false;
   mode_ = mode;
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
   contacts.clear();
@@ -102,11 +103,9 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     return evaluate(time, state, rate);
   }
   const bool isSolved = choose(mode, time, state, solved);
-  starting_ = true;
   isComplete_ = true;
-  const bool good = isSolved ? evaluateSolved(time, state, *solved, rate) : evaluate(time, state, rate);
-  starting_ = false;
-  if (!good)
+  isBegun_ = isSolved ? evaluateSolved(time, state, *solved, rate) : evaluate(time, state, rate);
+  if (!isBegun_)
     return false;
   isFolded_ = model.nv <= RowSystem::narrow && sliding_.empty() && (rows_.count() == 0 || !forces_.redundant());
   if (isFolded_)
@@ -219,7 +218,7 @@ bool ModeDynamics::solveRows(double *freeAcceleration) {
   completeRows();
   system_.setBias(at_, freeAcceleration);
   isComplete_ = true;
-  return starting_ ? forces_.start(problem_, contactMode_) : forces_.evaluate(problem_);
+  return isBegun_ ? forces_.evaluate(problem_) : forces_.start(problem_, contactMode_);
 }
 
 // What folded forces leave out at the point of the last evaluation: W Jᵀ and D, and the forces as a function of them.
@@ -429,10 +428,10 @@ double ModeDynamics::normalForce(int contact) const {
 
 int ModeDynamics::jammedContact(double pressing) {
   complete();
-  const Jam jam = jammedNormal(problem_, contactMode_);
-  if (jam.row < 0 || closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_)
-    return -1;
-  return rows_.contacts()[jam.row];
+  for (const Jam &jam : jammedNormals(problem_, contactMode_))
+    if (!(closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_))
+      return rows_.contacts()[jam.row];
+  return -1;
 }
 
 bool ModeDynamics::stop(double time, double *state) {

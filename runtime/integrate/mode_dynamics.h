@@ -63,8 +63,8 @@ public:
   bool start(const Mode &mode, double time, const double *state) { return start(mode, time, state, plus_.data()); }
   // As well, with dy/dt there; `solved` (may be null): the contact problem there, with the mode's step variables.
   bool start(const Mode &mode, double time, const double *state, double *rate, const SolvedContacts *solved = nullptr);
-  // For projections onto what a mode holds at zero, whether or not it has admissible forces: nothing else is ready, and another mode must
-  // be started. False: M or H cannot be evaluated there.
+  // For projections onto what a mode holds at zero, whether or not it has admissible forces: nothing else is ready but `evaluate`, and
+  // another mode must be started before events are looked for. False: M or H cannot be evaluated there.
   bool hold(const Mode &mode, double time, const double *state);
   // dy/dt; forces, accelerations and step variables are in model() afterwards. False: see failure().
   bool evaluate(double time, const double *state, double *rate);
@@ -117,7 +117,7 @@ public:
   [[nodiscard]] bool isPole(int guard) const;
   // The contact whose normal force is the margin of a Force guard; −1: the margin is another one.
   [[nodiscard]] int contactOfMargin(int margin) const;
-  // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormal); −1:
+  // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormals); −1:
   // none. Without its force it approaches by an acceleration of at least `pressing` times what the largest force at the begin of the mode
   // gives a contact.
   [[nodiscard]] int jammedContact(double pressing = -std::numeric_limits<double>::infinity());
@@ -288,7 +288,7 @@ private:
   long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none
   EvaluationFailure failure_ = EvaluationFailure::None;
   long long evaluations_ = 0;
-  bool starting_ = false;
+  bool isBegun_ = false;  // by `start`: forces_ go on from one evaluation to the next
   // workspaces
   std::vector<int> contacts_, tangents_;
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;

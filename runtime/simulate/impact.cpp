@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <numeric>
 
 namespace tf::runtime {
 
@@ -98,9 +99,34 @@ void Impact::certify(const FrozenResult &result, const std::vector<double> &impu
   worstResidual_ = std::max(worstResidual_, worst / scale);
 }
 
+const std::vector<int> &Impact::reached(double time, const double *state, const std::vector<int> &touching,
+                                        const std::vector<int> &approaching) {
+  // Few velocities: most contacts reach each other, and following all costs less than finding out.
+  if (approaching.size() == touching.size() || at_.model().nv <= RowSystem::narrow)
+    return touching;
+  assemble(time, state, touching);
+  coupled_.find(problem_.delassus, problem_);
+  starters_.clear();
+  for (const int contact : approaching)
+    starters_.push_back(rowOf(contact));
+  reached_.resize(touching.size());
+  std::iota(reached_.begin(), reached_.end(), 0);
+  coupled_.keepReached(reached_, starters_);
+  std::transform(reached_.begin(), reached_.end(), reached_.begin(), [this](int row) { return rows_.contacts()[row]; });
+  return reached_;
+}
+
+// The normal row of a contact.
+int Impact::rowOf(int contact) const {
+  const std::vector<int> &contacts = rows_.contacts();
+  const auto place = std::find(contacts.begin(), contacts.end(), contact);
+  assert(place != contacts.end());
+  return static_cast<int>(place - contacts.begin());
+}
+
 // Contacts at rest have no velocity of their own. Which of them starts a frictional impulse is not known where several are needed for the
 // contact problem to have no solution.
-const FrozenResult &Impact::follow(const std::vector<int> &contacts, const std::vector<int> &forced) {
+const FrozenResult &Impact::follow(const std::vector<int> &forced) {
   const bool spatial = std::any_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner >= 0; });
   const auto run = [&](int row) -> const FrozenResult & { return spatial ? spatialPhase_.run(problem_, row) : phase_.run(problem_, row); };
   starter_ = -1;
@@ -108,11 +134,6 @@ const FrozenResult &Impact::follow(const std::vector<int> &contacts, const std::
     const FrozenResult *closedForm = singlePhase_.run(problem_);
     return closedForm != nullptr ? *closedForm : run(-1);
   }
-  const auto rowOf = [&contacts](int contact) {
-    const auto place = std::find(contacts.begin(), contacts.end(), contact);
-    assert(place != contacts.end());
-    return static_cast<int>(place - contacts.begin());
-  };
   for (const int contact : forced)
     problem_.normalVelocity[rowOf(contact)] = 0;
   const FrozenResult *result = nullptr;
@@ -137,7 +158,7 @@ const FrozenResult &Impact::follow(const std::vector<int> &contacts, const std::
 bool Impact::apply(double time, double *state, const std::vector<int> &contacts, const std::vector<int> &forced, double *normalImpulse) {
   const tf_model &model = at_.model();
   assemble(time, state, contacts);
-  const FrozenResult &result = follow(contacts, forced);
+  const FrozenResult &result = follow(forced);
   breakpoints_ = result.breakpointCount;
   if (result.status != FrozenStatus::Finished) {
     std::string names;

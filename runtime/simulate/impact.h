@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/contact/admissible_impulse.h"
+#include "runtime/contact/coupled_contacts.h"
 #include "runtime/contact/frozen_phase.h"
 #include "runtime/contact/single_contact_phase.h"
 #include "runtime/contact/spatial_frozen_phase.h"
@@ -21,6 +22,9 @@ public:
   // Whether the impacts that follow have restitution.
   void setElastic(bool elastic) { elastic_ = elastic; }
   [[nodiscard]] bool isElastic() const { return elastic_; }
+  // Of the contacts `touching` (closed gaps) those that an impact of the ones `approaching` reaches, which are some of them. The reference
+  // is valid until the next call.
+  const std::vector<int> &reached(double time, const double *state, const std::vector<int> &touching, const std::vector<int> &approaching);
   // Moves the velocities in `state` by the impulses of the contacts `contacts` (closed gaps) and tau by the phase's duration. `forced`: of
   // these, the contacts at rest that may start a frictional impulse; the first one that its own push presses in does. `normalImpulse` [nc]
   // is added to. False: the impact has no end, see text().
@@ -41,7 +45,8 @@ private:
   void findWork(const double *impulse, const double *velocities);
   void certify(const FrozenResult &result, const std::vector<double> &impulse);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
-  const FrozenResult &follow(const std::vector<int> &contacts, const std::vector<int> &forced);
+  [[nodiscard]] int rowOf(int contact) const;
+  const FrozenResult &follow(const std::vector<int> &forced);
 
   ModelEvaluation &at_;
   std::vector<TangentRole> roles_;  // nt
@@ -49,7 +54,9 @@ private:
   FrozenProblem problem_;
   SingleContactPhase singlePhase_;
   AdmissibleImpulse admissible_;
-  std::vector<double> total_;  // impulse of the rows
+  CoupledContacts coupled_;
+  std::vector<int> reached_, starters_;  // contacts; their normal rows
+  std::vector<double> total_;            // impulse of the rows
   FrozenPhase phase_;
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;

@@ -399,7 +399,9 @@ tf_status Simulation::Implementation::advanceTo(double time) {
 
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
-  observeInvariants(true);
+  // Where a run has failed there may be no mode that goes on, whose forces would be admissible.
+  if (error_.empty())
+    observeInvariants(true);
 }
 
 bool Simulation::Implementation::sensitivity(int column, double *all) {

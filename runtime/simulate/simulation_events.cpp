@@ -82,8 +82,9 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
 tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
   if (forced >= 0)
     selection_.findTouching(time_, state_.data());
-  const std::vector<int> &contacts = frozenContacts_ = selection_.touching();
   const std::vector<int> &approaching = frozenApproaching_ = selection_.approaching();
+  const std::vector<int> &contacts = frozenContacts_ =
+      forced >= 0 ? selection_.touching() : impact_.reached(time_, state_.data(), selection_.touching(), approaching);
   // Impacts that the tolerance of velocities does not see have no restitution: where bounces accumulate in a way that cannot be summed
   // (slips of two components that turn with each of them), they end here. Of several contacts with restitution each goes on shaking the
   // others, in cascades within cascades: there the tolerance itself is the limit, as of the error of one step.
@@ -592,6 +593,7 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   const double most = 10 * allowed, slow = 1e3 * allowed;
   if (speed > slow)
     return false;
+  const DetectedEvent detected = event;
   // Slips of one body end together: none of them has a direction there.
   dynamics_.holdDirections(slow);
   if (detection_.locate(event)) {
@@ -601,7 +603,13 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
       return true;
   }
   dynamics_.holdDirections(0);
+  event = detected;
   if (speed > most)
+    return false;
+  // A step that begins with a faster slip passes the place where its direction is singular, and is less exact there than elsewhere.
+  at_.setPoint(integrator.beginTime(), integrator.begin());
+  at_.switching(ModelEvaluation::Slips);
+  if (dynamics_.slipSpeed(event.guard) > slow)
     return false;
   // Other slips that have just begun may keep implicit equations from being solved: the interpolant is as good as the step.
   std::copy(state.begin(), state.end(), integrator.end());

@@ -239,6 +239,26 @@ TEST(SpatialFrozenPhase, SlipRestartsInItsOwnDirection) {
   EXPECT_EQ(restarted.breakpointCount, 1);
 }
 
+// The corner of a box slips away from its rest by a three-thousandth of what friction would do across: stiff as soon as it moves at all.
+TEST(SpatialFrozenPhase, SlipRestartsSlowly) {
+  Eigen::Matrix3d D;
+  D << 6.2431348258974086, 1.6240677095507237, -1.1302213814438067, 1.6240677095507237, 2.6430081724159478, 1.4024610596935281,
+      -1.1302213814438067, 1.4024610596935281, 4.376673779843161;
+  const double friction = 1.0576107993094945;
+  FrozenProblem problem = oneContact(D, friction, -3.7044693684817886e-07, {-9.2959094172284651e-09, 2.6666147345810742e-09});
+  problem.resolution = 1e-13;
+  problem.restitution = {0.55};
+  SpatialFrozenPhase phase;
+  const FrozenResult &result = phase.run(problem);
+  ASSERT_EQ(result.status, FrozenStatus::Finished);
+  EXPECT_LT(result.breakpointCount, 100);
+  // D_tn − μ D_tt u = k u, k > 0.
+  const Eigen::Vector2d slip(result.velocity[1], result.velocity[2]), u = slip.normalized();
+  const Eigen::Vector2d acceleration = D.block<2, 1>(1, 0) - friction * D.block<2, 2>(1, 1) * u;
+  EXPECT_NEAR(acceleration.x() * u.y() - acceleration.y() * u.x(), 0, 1e-6);
+  EXPECT_GT(acceleration.dot(u), 1e-3);
+}
+
 // A slip that turns towards where D_s = D_nn − μ D_ntᵀ v_t/‖v_t‖ is negative: the force of the motion grows beyond all bounds on the way
 // there, and the frictional impulse begins at D_s = 0, to rounding above it.
 TEST(SpatialFrozenPhase, FrictionalImpulseBeginsWhereAResponseReachesZero) {

@@ -4,6 +4,7 @@
 #include "runtime/model/model_instance.h"
 #include "tests/unit/runtime/hand_written_models.h"
 
+#include <algorithm>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <vector>
@@ -65,6 +66,21 @@ TEST(ModeSelection, ModesBeginWithTheForcesOfTheSelection) {
       ASSERT_TRUE(other.dynamics.evaluate(0.01, later.data(), laterExpected.data()));
       EXPECT_EQ(laterRate, laterExpected);
     }
+}
+
+// A run that fails within an event leaves a mode behind that is held for a projection only.
+TEST(ModeSelection, AModeThatIsHeldOnlyHasForcesOfItsOwn) {
+  Box box, other;
+  std::vector<double> state = Box::state(0.3, 0.7), rate(state.size()), expected(state.size());
+  ASSERT_EQ(box.selection.select(0, state.data(), box.open).status, SelectionStatus::Selected);
+  state = Box::state(0, 0.7);
+  const Mode flat = other.selection.select(0, state.data(), other.open).mode;
+  ASSERT_GT(std::count(flat.closed.begin(), flat.closed.end(), 1), 1);
+  ASSERT_TRUE(other.dynamics.evaluate(0, state.data(), expected.data()));
+  ASSERT_TRUE(box.dynamics.hold(flat, 0, state.data()));
+  ASSERT_TRUE(box.dynamics.evaluate(0, state.data(), rate.data()));
+  for (std::size_t k = 0; k < rate.size(); ++k)
+    EXPECT_NEAR(rate[k], expected[k], 1e-12) << k;
 }
 
 // What was found for one state is nothing for the next one.
