@@ -185,7 +185,7 @@ StepStatus ElementIntegrator::step(double limit) {
     error_ = error;
     ++statistics_.steps;
     watchStability();
-    method_->finish(error);
+    method_->finish(error, scale_.data());
     adopt(last ? limit : beginTime_ + h);
     return StepStatus::Done;
   }

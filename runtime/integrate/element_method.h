@@ -40,7 +40,7 @@ public:
   }
   // The last element's error was too large; or the element is a step with this error norm.
   virtual void reject(const double * /*scale*/) {}
-  virtual void finish(double /*error*/) {}
+  virtual void finish(double /*error*/, const double * /*scale*/) {}
 
   // The next element begins so many of its lengths after a switch: rates behind that may be powers of the time since then, of which an
   // estimate that is made for smooth ones shows a part only.
@@ -61,6 +61,8 @@ public:
   // The last element was that of a method for stiff damping.
   [[nodiscard]] virtual bool isStabilised() const { return false; }
 
+  // The estimate of the last element.
+  [[nodiscard]] const double *error() const { return error_.data(); }
   [[nodiscard]] double *end() { return end_.data(); }
   [[nodiscard]] double *endRate() { return endRate_.data(); }
 

@@ -26,7 +26,6 @@ public:
   [[nodiscard]] int interiorStages() const override { return tableau_->stages - 1; }
   // Beyond it implicit methods take fewer evaluations (measured on stiff springs and dampers, at tolerances from 1e-3 to 1e-8).
   [[nodiscard]] double stabilityRatio() const override { return h_ * radius_ / implicitBorder; }
-  [[nodiscard]] const double *error() const { return error_.data(); }
 
 private:
   static constexpr double implicitBorder = 300;

@@ -40,14 +40,15 @@ bool SpectralRadius::iterate(ModeDynamics &dynamics, double time, const double *
   return true;
 }
 
-// The rate, and something of every direction.
+// The rate, and something of every direction. Numbers of a regular wave would be nearly an eigenvector of bodies in a row, and the
+// iteration would end with its eigenvalue.
 void SpectralRadius::seed(const double *rate, const double *scale) {
   const int n = static_cast<int>(direction_.size());
   double largest = 0;
   for (int i = 0; i < n; ++i)
     largest = std::max(largest, std::abs(rate[i]) / scale[i]);
   for (int i = 0; i < n; ++i)
-    direction_[i] = (largest > 0 ? rate[i] / scale[i] / largest : 0) + std::cos(1.0 + 2.3 * i);
+    direction_[i] = (largest > 0 ? rate[i] / scale[i] / largest : 0) + std::cos(1.0 + 2.3 * i * i);
   normalise();
 }
 

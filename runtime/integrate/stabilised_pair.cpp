@@ -45,12 +45,12 @@ void StabilisedPair::forget() {
 double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) {
   mayRock_ = isAdjusted_ = false;
   isDamped_ = isKnown_ && !dynamics.hasTurningSlips();
-  if (!isDamped_ || (radius_.isKnown() && h * radius_.bound() <= border_))
+  if (!isDamped_ || (radius_.isKnown() && !isDoubted_ && h * radius_.bound() <= border_))
     return h;
   if (needsEstimate(h)) {
     radius_.estimate(dynamics, t0, y0, f0, modeSteps_ == 0, scale);
-    stepsSinceEstimate_ = 0;
-    isNewMode_ = false;
+    stepsSinceEstimate_ = doubtfulSteps_ = 0;
+    isNewMode_ = isDoubted_ = false;
   }
   if (!radius_.isDamping()) {
     isKnown_ = isDamped_ = false;
@@ -105,13 +105,27 @@ void StabilisedPair::reject(const double *scale) {
   if (isLow_)
     endsEarly_ = false;
   lowLength_ = 0;
-  if (!isRock_)
-    return;
-  radius_.suspect(rock_.error(), scale);
+  if (isRock_)
+    doubtRadius(rock_.error(), scale);
+}
+
+void StabilisedPair::doubtRadius(const double *error, const double *scale) {
+  radius_.suspect(error, scale);
   stepsSinceEstimate_ = stepsPerEstimate;
 }
 
-void StabilisedPair::finish(double error) {
+// Explicit steps that are at their border where the bound of the radius has them well inside.
+void StabilisedPair::watchBorder(const double *scale) {
+  constexpr int patience = 3;
+  const ExplicitMethod &method = explicitMethod();
+  const bool isInside = isDamped_ && radius_.isKnown() && length_ * radius_.bound() < 0.9 * method.stabilityBorder();
+  doubtfulSteps_ = isInside && method.stabilityRatio() > 1 ? doubtfulSteps_ + 1 : 0;
+  isDoubted_ = doubtfulSteps_ >= patience;
+  if (isDoubted_)
+    doubtRadius(method.error(), scale);
+}
+
+void StabilisedPair::finish(double error, const double *scale) {
   // Of the pair's steps those of the lower order are a part, to a factor of two over usual tolerances.
   constexpr double part = 0.25, longest = 8;
   ++modeSteps_;
@@ -124,6 +138,7 @@ void StabilisedPair::finish(double error) {
     pauseLeft_ = std::max(pauseLeft_ - 1, 0);
     borderSteps_ = explicitMethod().stabilityRatio() > 0.8 ? borderSteps_ + 1 : std::max(borderSteps_ - 1, 0);
     isKnown_ = isKnown_ || borderSteps_ >= patience_;
+    watchBorder(scale);
   }
   adjustedSteps_ += isAdjusted_ ? 1 : 0;
   wasted_ = 0;
@@ -141,9 +156,11 @@ void StabilisedPair::judge() {
   }
 }
 
-// Where ROCK4 would take longer steps, if they were as accurate, stability does not limit those of the pair.
+// Where ROCK4 would take longer steps, if they were as accurate, stability does not limit those of the pair. The longer a mode lasts, the
+// more it is worth the begin of an implicit method.
 double StabilisedPair::stabilityRatio() const {
-  return isRock_ ? rock_.stabilityRatio() : isDamped_ ? 0 : explicitMethod().stabilityRatio();
+  constexpr double lasting = 50;
+  return isRock_ ? rock_.stabilityRatio() * (1 + modeSteps_ / lasting) : isDamped_ && !isDoubted_ ? 0 : explicitMethod().stabilityRatio();
 }
 
 }  // namespace tf::runtime

@@ -22,7 +22,7 @@ public:
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   void reject(const double *scale) override;
-  void finish(double error) override;
+  void finish(double error, const double *scale) override;
   void interpolate(double theta, double *y) const override { current().interpolate(theta, y); }
   [[nodiscard]] bool isInterpolantDear() const override { return current().isInterpolantDear(); }
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return current().errorNorm(scale, tolerance); }
@@ -35,6 +35,8 @@ private:
   [[nodiscard]] bool needsEstimate(double h) const;
   [[nodiscard]] bool mayBeLow(double h) const;
   void judge();
+  void watchBorder(const double *scale);
+  void doubtRadius(const double *error, const double *scale);
   [[nodiscard]] ExplicitMethod &explicitMethod() const { return isLow_ ? *low_ : *pair_; }
   [[nodiscard]] const ElementMethod &current() const { return isRock_ ? static_cast<const ElementMethod &>(rock_) : explicitMethod(); }
 
@@ -56,6 +58,8 @@ private:
   int pause_, pauseLeft_;       // steps of the pair after one of ROCK4 that was not worth its evaluations
   int wasted_ = 0;              // evaluations of rejected steps
   int stepsSinceEstimate_ = 0;  // of ROCK4
+  bool isDoubted_ = false;      // steps at the border show that the radius is larger than its bound
+  int doubtfulSteps_ = 0;       // of them, since the estimate
   bool isNewMode_ = true;       // since the estimate
   bool isAdjusted_ = false;     // the step is shorter than wanted, or ROCK4's
   int adjustedSteps_ = 0;       // such ones in this mode

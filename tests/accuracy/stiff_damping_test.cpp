@@ -155,5 +155,34 @@ TEST(StiffSprings, AreNotForTheStabilisedMethod) {
     }
 }
 
+// Bodies in a row that all move alike: dampers between them do nothing but limit explicit steps by modes that only rounding errors excite,
+// and whose eigenvalues, d/m (2 − 2 cos φ), lie densely up to 4 d/m. An estimate of the largest one that is too small must not hold up the
+// run.
+TEST(StiffDamping, OfMotionsAlikeCostsNoManySteps) {
+  const auto source = [](int bodies) {
+    return "model Alike\n  parameter Integer n = " + std::to_string(bodies) + R"(;
+  parameter Real d = 2000;
+  coordinate Real u[n](start = {0.1*i for i in 1:n});
+  body mass[n](each mass = 1, position = u);
+  force push[n](value = {-9.81*cos(5*u[i] - 0.5*i) for i in 1:n}, at = u);
+  force link[n - 1](value = -d*(der(u[2:n]) - der(u[1:n - 1])), at = u[2:n] - u[1:n - 1]);
+end Alike;
+)";
+  };
+  constexpr double end = 2;
+  CompiledModel two(sourceFile("alike_2.tf", source(2)), {{"d", 0}});
+  two.tolerance(1e-11).run(end);
+  const double expected = two.valuesOf(TF_KIND_COORDINATE)[0];
+  const std::string file = sourceFile("alike_20.tf", source(20));
+  for (const double damping : {2e2, 2e3, 2e4, 2e5})
+    for (const double tolerance : {1e-4, 1e-6, 1e-7}) {
+      SCOPED_TRACE("d = " + std::to_string(damping) + ", tolerance " + std::to_string(tolerance));
+      CompiledModel row(file, {{"d", damping}});
+      row.tolerance(tolerance).run(end);
+      EXPECT_NEAR(row.valuesOf(TF_KIND_COORDINATE)[0], expected, 100 * tolerance);
+      EXPECT_LE(tf_get_statistics(row.simulation())->evaluations, 8000);
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
