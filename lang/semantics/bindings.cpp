@@ -125,16 +125,32 @@ std::optional<std::vector<double>> valueOf(Context &context, Component &componen
   return component.value;
 }
 
-std::optional<std::vector<double>> constantValue(Context &context, const flat::Expr &expr) {
+namespace {
+
+// With the parameters that `mayRead` allows.
+template <class Predicate> std::optional<std::vector<double>> evaluateWith(Context &context, const flat::Expr &expr, Predicate mayRead) {
   if (expr.variability > Variability::Parameter)
     return std::nullopt;
   return evaluateExpression(expr, 0, [&](const flat::Expr &reference) -> std::optional<std::vector<double>> {
     Component &component = *context.variableOwners[static_cast<std::size_t>(reference.variable)];
+    if (variabilityOf(component) == Variability::Parameter && !mayRead(reference.variable))
+      return std::nullopt;
     auto values = valueOf(context, component);
     if (!values || reference.indices.empty())
       return values;
     return selectValues(*values, component.dimensions, reference.indices);
   });
+}
+
+}  // namespace
+
+std::optional<std::vector<double>> constantValue(Context &context, const flat::Expr &expr) {
+  return evaluateWith(context, expr, [](flat::VariableId) { return true; });
+}
+
+std::optional<std::vector<double>> settledValue(Context &context, const flat::Expr &expr) {
+  return evaluateWith(context, expr,
+                      [&](flat::VariableId id) { return context.model.variables[static_cast<std::size_t>(id)].isStructural; });
 }
 
 }  // namespace tf::semantics

@@ -147,12 +147,17 @@ bool isDeclaredSmooth(const Expr &expr) {
          expr.args[0]->values[0] >= 2;
 }
 
+// An `if` switches with its condition, whatever its branches depend on.
+bool switchesWithCoordinates(Context &context, const Expr &expr) {
+  std::set<const Component *> visited;
+  return isSwitching(expr) && dependsOnCoordinates(context, expr.kind == ExprKind::If ? *expr.args[0] : expr, visited);
+}
+
 // The first subexpression that switches with the coordinates and is not declared smooth.
 const Expr *findKink(Context &context, const Expr &expr, std::set<const Component *> &visited) {
   if (expr.variability <= Variability::Parameter || isDeclaredSmooth(expr))
     return nullptr;
-  std::set<const Component *> scanned;
-  if (isSwitching(expr) && dependsOnCoordinates(context, expr, scanned))
+  if (switchesWithCoordinates(context, expr))
     return &expr;
   if (expr.kind == ExprKind::Variable) {
     Component &component = *context.variableOwners[static_cast<std::size_t>(expr.variable)];

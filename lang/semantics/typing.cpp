@@ -59,6 +59,7 @@ flat::Operator operatorOf(ast::Operator op) {
 std::unique_ptr<Typer> Typer::nested(const Locals *locals) {
   std::unique_ptr<Typer> inner = makeNested(locals);
   inner->ends_ = ends_;
+  inner->isUnreached_ = isUnreached_;
   return inner;
 }
 
@@ -242,13 +243,39 @@ ExprPtr Typer::typeRange(const ast::Expr &expr) {
   return makeLiteral({isInteger ? Base::Integer : Base::Real, {size}}, std::move(values), expr.span);
 }
 
+void Typer::checkUnreached(const ast::Expr &expr) {
+  const bool before = isUnreached_;
+  isUnreached_ = true;
+  type(expr);
+  isUnreached_ = before;
+}
+
+// Conditions and the values behind them, in turn, then the value where none holds. A condition on iterators, constants and sizes is
+// decided: behind it subscripts may leave their dimensions, as in if i == 1 then 0 else x[i - 1].
 ExprPtr Typer::typeIf(const ast::Expr &expr) {
-  std::vector<ExprPtr> parts;
-  for (const ast::Expr *operand : expr.operands)
-    parts.push_back(type(*operand));
-  ExprPtr result = parts.back();
-  for (std::size_t i = parts.size() - 1; i >= 2; i -= 2)
-    result = makeIf(parts[i - 2], parts[i - 1], result, expr.span, diagnostics());
+  std::vector<ExprPtr> conditions, values;
+  std::size_t i = 0;
+  bool isDecided = false;
+  for (; i + 1 < expr.operands.size() && !isDecided; i += 2) {
+    const ExprPtr condition = type(*expr.operands[i]);
+    const bool isCondition = condition != nullptr && condition->type == Type{Base::Boolean, {}};
+    const auto known = isCondition ? settledValue(context_, *condition) : std::nullopt;
+    if (known && known->front() == 0) {
+      checkUnreached(*expr.operands[i + 1]);
+      continue;
+    }
+    isDecided = known.has_value();
+    values.push_back(type(*expr.operands[i + 1]));
+    if (!isDecided)
+      conditions.push_back(condition);
+  }
+  for (; isDecided && i < expr.operands.size(); ++i)
+    checkUnreached(*expr.operands[i]);
+  if (!isDecided)
+    values.push_back(type(*expr.operands[expr.operands.size() - 1]));
+  ExprPtr result = values.back();
+  for (std::size_t k = conditions.size(); k-- > 0;)
+    result = makeIf(conditions[k], values[k], result, expr.span, diagnostics());
   return result;
 }
 
@@ -364,7 +391,8 @@ std::optional<flat::Selection> Typer::selection(const ast::Expr &subscript, int 
   for (const double value : *values) {
     const double position = typed->type.base == Base::Boolean ? value + 1 : value;
     if (position < 1 || position > size) {
-      diagnostics().report(diag::SubscriptRange, subscript.span, position, size);
+      if (!isUnreached_)
+        diagnostics().report(diag::SubscriptRange, subscript.span, position, size);
       return std::nullopt;
     }
     chosen.positions.push_back(static_cast<int>(position));

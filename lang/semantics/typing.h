@@ -68,6 +68,7 @@ private:
   ExprPtr typeBinary(const ast::Expr &expr);
   ExprPtr typeRange(const ast::Expr &expr);
   ExprPtr typeIf(const ast::Expr &expr);
+  void checkUnreached(const ast::Expr &expr);
   ExprPtr typeArray(const ast::Expr &expr);
   ExprPtr typeComprehension(const ast::Expr &expr, std::size_t level, const Locals *locals);
   ExprPtr typeMatrix(const ast::Expr &expr);
@@ -79,7 +80,8 @@ private:
 
   Context &context_;
   Scope scope_;
-  std::vector<int> ends_;  // sizes of the dimensions whose subscripts are being typed: `end`
+  std::vector<int> ends_;     // sizes of the dimensions whose subscripts are being typed: `end`
+  bool isUnreached_ = false;  // the value of what is being typed is not needed
 };
 
 // Types an expression in `scope`.
@@ -87,6 +89,8 @@ private:
 
 // Value known now: constants and parameters, which become structural. Not reported if there is none.
 [[nodiscard]] std::optional<std::vector<double>> constantValue(Context &context, const flat::Expr &expr);
+// The same of constants and parameters that are structural already, as sizes and ranges that have been typed make them.
+[[nodiscard]] std::optional<std::vector<double>> settledValue(Context &context, const flat::Expr &expr);
 
 // Calls of builtin functions (builtin_functions.cpp). `name` is the last part of the callee, e.g. "sin".
 [[nodiscard]] bool isBuiltinFunction(std::string_view name);

@@ -52,8 +52,8 @@ public:
   void advance();
   // Ends the integrator's step where the guard is zero, with the step's length as an unknown: to rounding, at the order of the method.
   bool locate(DetectedEvent &event);
-  // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed before the event, which the interpolant had in
-  // another order; the event is then that gap's, still to be located.
+  // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed or a force has fallen to zero before the event,
+  // which the interpolant had in another order; the event is then that guard's, still to be located.
   bool findEarlier(DetectedEvent &event);
   // The projection of the end onto what the mode holds moves the gap that ends the step off its zero: true if the end has been moved on
   // along its rate to there, to be projected again.

@@ -12,7 +12,7 @@ namespace tf::runtime {
 // h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
 bool EventDetection::locate(DetectedEvent &event) {
   // The slope of the interpolant serves while it leads to the zero.
-  constexpr double poor = 0.1;
+  constexpr double poor = 0.1, rounding = 1e-14, insensitive = 1e-9, clearly = 30;
   if (integrator_->isExactInside() && moveInside(event))
     return true;
   if (endsNearby(event))
@@ -21,26 +21,37 @@ bool EventDetection::locate(DetectedEvent &event) {
   const double zero = level(guard);
   const double begin = integrator_->beginTime();
   ZeroBracket bracket(begin, std::max(event.high, event.time));
+  const Guard &g = dynamics_.guards()[guard];
+  double effect = isForceGuard(g.kind) ? std::numeric_limits<double>::infinity() : 0;  // of the projection on the guard
   double x = event.time, slope = event.slope, previous = x, previousValue = 0;
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x))
       return false;
     // The guard is zero where the event's state will be: on the closed contacts.
-    dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
-    const double value = guardHere(guard, x) - zero;
+    const double correction = dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+    double value = guardHere(guard, x) - zero;
+    // Stiff forces may be quite other ones there.
+    const double near = std::max(effect * clearly, -slope * integrator_->reach() * (x - begin));
+    if (correction > rounding && effect > insensitive * g.scale && (k == 0 || std::abs(value) <= near)) {
+      if (!dynamics_.evaluate(x, integrator_->end(), integrator_->endRate()))
+        return false;
+      const double before = value;
+      value = guardHere(guard, x) - zero;
+      effect = std::abs(value - before);
+    }
     bracket.narrow(x, value < 0);
-    if (dynamics_.guards()[guard].kind == GuardKind::Gap)
-      slope = dynamics_.model().gapRate[dynamics_.guards()[guard].index];
+    if (g.kind == GuardKind::Gap)
+      slope = dynamics_.model().gapRate[g.index];
     else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
       slope = (value - previousValue) / (x - previous);
     previous = x;
     previousValue = value;
-    const double correction = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
-    if (std::abs(correction) <= integrator_->reach() * (x - begin) && extend(guard, zero, value, slope, x, event))
+    const double way = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
+    if (std::abs(way) <= integrator_->reach() * (x - begin) && extend(guard, zero, value, slope, x, event))
       return true;
-    if (std::abs(correction) <= 1e-5 * (x - begin))
+    if (std::abs(way) <= 1e-5 * (x - begin))
       return nudge(guard, zero, value, slope, x, event);
-    const double next = bracket.next(x + correction);
+    const double next = bracket.next(x + way);
     if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
       event.time = x;
       return true;
@@ -61,8 +72,11 @@ bool EventDetection::endsNearby(DetectedEvent &event) {
 }
 
 bool EventDetection::findEarlier(DetectedEvent &event) {
-  constexpr double visible = 1e-10;  // relative to the gap's scale
-  const auto isOther = [&](int k) { return dynamics_.guards()[k].kind == GuardKind::Gap && k != event.guard; };
+  constexpr double visible = 1e-10, visibleForce = 1e-7;  // relative to the guard's scale
+  const auto isOther = [&](int k) {
+    const GuardKind kind = dynamics_.guards()[k].kind;
+    return k != event.guard && (kind == GuardKind::Gap || kind == GuardKind::Force);
+  };
   if (std::none_of(awake_.begin(), awake_.end(), isOther))
     return false;
   DetectedEvent earlier;
@@ -71,9 +85,13 @@ bool EventDetection::findEarlier(DetectedEvent &event) {
   for (const int k : awake_) {
     if (!isOther(k))
       continue;
-    const double rate = end_.rate[k], value = end_.value[k] - level(k);
-    if (value >= -visible * dynamics_.guards()[k].scale)
+    const Guard &guard = dynamics_.guards()[k];
+    const bool isForce = guard.kind == GuardKind::Force;
+    const double value = end_.value[k] - level(k), least = (isForce ? visibleForce : visible) * guard.scale;
+    // A force has no rate of its own, and one that begins near zero may be below by an error.
+    if (!(value < -least) || (isForce && !(begin_.value[k] > least)))
       continue;
+    const double rate = isForce ? (value - begin_.value[k]) / (event.time - begin) : end_.rate[k];
     double time = rate < 0 ? event.time - value / rate : begin;
     if (!(time > begin))
       time = 0.5 * (begin + event.time);

@@ -555,6 +555,19 @@ TEST(Impacts, OfAChainAreNotMoreAtLargerTolerances) {
     EXPECT_LE(impacts(tolerance), fine) << tolerance;
 }
 
+// Damping makes forces of the chain stiff: at a step's end they are quite other ones than on the closed contacts nearby, where the mode
+// ends. How the steps fall depends on the tolerance.
+TEST(Impacts, OfAChainLeaveForcesThatPressAtLooseTolerances) {
+  const std::string file = longChain();
+  for (const double tolerance : {0.3, 0.2, 0.15, 0.05, 0.02}) {
+    CompiledModel model(file);
+    tf_set_energy_balance(model.simulation(), 1);
+    model.tolerance(tolerance).integrator(TF_AUTO).run(0.45);
+    const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+    EXPECT_GE(statistics.worst_normal_force, -1e-8 * statistics.largest_normal_force) << tolerance;
+  }
+}
+
 // What its motion would be behind an event has an error that is none of a step up to the event: one attempt shows that.
 TEST(Impacts, OfAChainTakeFewAttemptsOfSteps) {
   CompiledModel model(longChain());
