@@ -405,7 +405,7 @@ bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
     return false;
   const double h = b.time - a.time;
   const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
-  return std::min(a.value[guard], b.value[guard]) < reach;
+  return std::min(a.value[guard], b.value[guard]) - level(guard) < reach;
 }
 
 // Zeros between two samples, of all guards (or of those with rates, where the samples inside a larger interval have no others), and which
@@ -426,12 +426,13 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool withForc
 
 // Whether a guard that may dip is not clearly positive between the samples: the cubic through the ends must predict the middle well enough.
 bool EventDetection::isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const {
-  const double h = b.time - a.time, value = middle.value[guard], rate = middle.rate[guard];
+  const double h = b.time - a.time, zero = level(guard), rate = middle.rate[guard];
+  const double begin = a.value[guard] - zero, value = middle.value[guard] - zero, end = b.value[guard] - zero;
   // The value there may fit by chance, not its rate as well.
-  const CubicHermite whole{a.value[guard], a.rate[guard], b.value[guard], b.rate[guard], h};
+  const CubicHermite whole{begin, a.rate[guard], end, b.rate[guard], h};
   const double error = std::max(std::abs(whole.value(0.5) - value), 0.25 * std::abs(whole.slope(0.5) - h * rate));
-  const double left = CubicHermite{a.value[guard], a.rate[guard], value, rate, 0.5 * h}.interiorMinimum();
-  const double right = CubicHermite{value, rate, b.value[guard], b.rate[guard], 0.5 * h}.interiorMinimum();
+  const double left = CubicHermite{begin, a.rate[guard], value, rate, 0.5 * h}.interiorMinimum();
+  const double right = CubicHermite{value, rate, end, b.rate[guard], 0.5 * h}.interiorMinimum();
   // The cubics on the halves are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow post.
   return value < 0 || std::min({left, right, value}) < 4 * error || left < 0 || right < 0;
 }
