@@ -18,7 +18,7 @@ using ir::SymbolKind;
 namespace {
 
 constexpr int kSamples = 3;
-constexpr double kSingular = 1e-12;  // of the smallest to the largest eigenvalue of the scaled matrix
+constexpr double kSingular = 1e-12;  // of the smallest to the largest magnitude of the scaled matrix' eigenvalues
 constexpr double kMoving = 1e-3;     // least share of a coordinate in the motion without mass that is named
 
 // A generic point: positive parameters, as masses and lengths are, and irrational-looking coordinates.
@@ -56,7 +56,8 @@ bool isWellConditioned(const Eigen::MatrixXd &scaledMass) {
   return growth < 1e-4 / kSingular;
 }
 
-// The direction in which M is singular at a generic point; empty if it is regular there.
+// The direction in which M is singular at a generic point; empty if it is regular there. It may be indefinite, as where products of inertia
+// that are zero are positive parameters for once.
 std::vector<double> masslessMotion(const HybridSystem &system, const std::vector<double> &parameters, int round) {
   const int n = system.nv;
   Eigen::MatrixXd mass = massAt(system, parameters, round);
@@ -67,9 +68,11 @@ std::vector<double> masslessMotion(const HybridSystem &system, const std::vector
   if (isWellConditioned(mass))
     return {};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(mass);
-  if (solver.eigenvalues()(0) > kSingular * solver.eigenvalues()(n - 1))
+  Eigen::Index least = 0;
+  const double smallest = solver.eigenvalues().cwiseAbs().minCoeff(&least);
+  if (smallest > kSingular * solver.eigenvalues().cwiseAbs().maxCoeff())
     return {};
-  const Eigen::VectorXd motion = solver.eigenvectors().col(0);
+  const Eigen::VectorXd motion = solver.eigenvectors().col(least);
   return {motion.data(), motion.data() + n};
 }
 

@@ -192,6 +192,20 @@ bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *
   return heldRows >= model.nv && model.nv > 0 && sliding_.empty() && isTimeless() && prepare(time, state) && leavesNoVelocity();
 }
 
+bool ModeDynamics::restsByItsRows(const double *state) {
+  constexpr double rounding = 1e-14;
+  const tf_model &model = at_.model();
+  for (int i = model.nq; i < model.nq + model.nv; ++i)
+    if (std::abs(state[i]) > rounding)
+      return false;
+  if (model.nh > 0 || model.nv == 0 || rows_.count() < model.nv)
+    return false;
+  const bool varies =
+      std::any_of(rows_.contacts().begin(), rows_.contacts().end(), [this](int contact) { return at_.gapVaries(contact); }) ||
+      std::any_of(rows_.tangents().begin(), rows_.tangents().end(), [this](int row) { return at_.slipVaries(row); });
+  return !varies && holdsAll();
+}
+
 void ModeDynamics::keepEvaluation(double time, const double *state) {
   isProjected_ = false;
   correction_ = 0;

@@ -104,6 +104,9 @@ public:
   // Nothing moves at (time, state) with dy/dt = `rate`, to rounding relative to `scale` [n], and as long as the mode lasts nothing will:
   // constraints and held contacts leave no velocity free. Reads the model at that point.
   bool isHeldAtRest(double time, const double *state, const double *rate, const double *scale);
+  // At the state of the last evaluation nothing moves, and neither does anything for states, parameters and inputs nearby that the mode
+  // holds at rest: whatever the forces, its rows leave no acceleration.
+  bool restsByItsRows(const double *state);
   // Uniform motion, or rest, has led to (time, state): the last evaluation is that of this point as well.
   void keepEvaluation(double time, const double *state);
 

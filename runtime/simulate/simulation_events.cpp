@@ -70,6 +70,9 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
     isShareLost_ = (isShareLost_ && !dynamics_.holdsAll()) || (sensitivities_->hasMoved() && dynamics_.sharesMove());
     if (sensitivities_->isOneSided())
       return failSensitivities("an event at which those for larger and for smaller values of a parameter differ");
+    // How the load is shared at the first instant of a slip depends on the direction that it is about to take.
+    if (dynamics_.launches() && dynamics_.sharesMove())
+      return failSensitivities("slips that start where redundant contacts share their load");
     sensitivities_->endEvent(rate_.data());
   }
   if (std::isinf(suggestedStep_) && !(mode_ == previousMode_))
