@@ -271,12 +271,36 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   undecided_ = solution;
   if (forceless >= 0)
     undecided_.degenerate.push_back(forceless);
+  settleBias(solution);
   if (!startMode(time, state))
     return Trial::Consistent;
   rates_.resize(problem_.normalCount, problem_.tangentCount);
   dynamics_.accelerationRates(rows_, rate_.data(), rates_.accelerationRate, rates_.frictionRate, rates_.boundRate);
   writeMode(solver_.resolve(problem_, undecided_, rates_, &previousContacts_).mode);
   return Trial::Consistent;
+}
+
+// Where contacts bear nothing, to the accuracy of the solution, what is left of their forces may pull, and so may what is left of the
+// accelerations of rows that the solution holds. The problem becomes the one nearby that the solution is exact for with forces that are
+// zero.
+void ModeSelection::settleBias(const ContactSolution &solution) {
+  const int normals = problem_.normalCount;
+  settledForces_ = solution.forces;
+  for (const int row : solution.degenerate)
+    if (row < normals)
+      settledForces_[row] = 0;
+  const auto bearsNothing = [&](int j) { return problem_.owner[j] >= 0 && settledForces_[problem_.owner[j]] == 0; };
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if (bearsNothing(j))
+      settledForces_[normals + j] = 0;
+  for (int row = 0; row < problem_.count(); ++row) {
+    const int j = row - normals, owner = j < 0 ? row : problem_.owner[j];
+    if ((owner >= 0 && !solution.mode.closed[owner]) || (j >= 0 && solution.mode.slip[j] != 0))
+      continue;
+    problem_.bias[row] = 0;
+    for (int c = 0; c < problem_.count(); ++c)
+      problem_.bias[row] -= problem_.delassus(row, c) * settledForces_[c];
+  }
 }
 
 // The row of the contact whose force an event says is zero, where the solution keeps it closed and does not know; −1: none.

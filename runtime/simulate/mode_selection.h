@@ -79,6 +79,7 @@ private:
 
   void listTouching(const double *state);
   Trial tryAssignments(double time, const double *state);
+  void settleBias(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
   [[nodiscard]] Switch sideOf(int j, EventHint hint) const;
   [[nodiscard]] std::string jump(const double *state);
@@ -114,7 +115,7 @@ private:
   std::vector<int> contactOf_;                                          // nt, see contactsOfTangents
   std::vector<TangentRole> roles_;                                      // nt
   std::vector<std::uint8_t> candidates_, mask_, surfaceMask_, ofTime_;  // nc; nc + nf; ns; ns
-  std::vector<double> rate_, freeAcceleration_, guess_;
+  std::vector<double> rate_, freeAcceleration_, guess_, settledForces_;
   int forced_ = -1;
   int forceless_ = -1;                              // see EventHint
   bool redundant_ = false, indeterminate_ = false;  // of the contact problem solved last
