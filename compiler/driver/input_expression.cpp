@@ -6,11 +6,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <limits>
+#include <string>
 
 namespace tf::driver {
 
 namespace {
+
+constexpr int samples = 2048;  // of a run
 
 using runtime::ModelInstance;
 
@@ -68,6 +72,21 @@ void checkType(const flat::Expr &typed, const std::string &name, const ModelInst
     diagnostics.report(diag::SettingType, typed.span, name, wantsBoolean ? "Boolean" : "Real", isBoolean ? "Boolean" : "Real");
 }
 
+// Where a value that the input may not have is taken first, of as many as are looked at for switches; empty: nowhere.
+std::string outOfBounds(const flat::ExprPtr &expression, const std::string &name, const ModelInstance &instance, double from, double to) {
+  const auto reference = instance.find(name);
+  if (!reference)
+    return {};
+  for (int k = 0; k <= samples; ++k) {
+    const double time = from + (to - from) * k / samples, value = reference->sign * valueAt(expression, time);
+    if (!std::isfinite(value))
+      continue;
+    if (const auto checked = instance.checkValue(reference->variable, value, name); !checked)
+      return fmt::format("{} at time = {}", checked.error(), number(time));
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<InputExpression> InputExpression::parse(const std::string &name, const std::string &text, const ModelInstance &instance,
@@ -96,11 +115,15 @@ std::optional<InputExpression> InputExpression::parse(const std::string &name, c
     diagnostics.report(diag::NotEvaluable, typed->span, name, number(startTime));
     return std::nullopt;
   }
+  if (const std::string reason = outOfBounds(folded, name, instance, startTime, horizon); !reason.empty()) {
+    diagnostics.report(diag::RefusedSetting, {}, name + "=" + text, reason);
+    return std::nullopt;
+  }
   return InputExpression(std::move(folded), startTime, horizon);
 }
 
 InputExpression::InputExpression(flat::ExprPtr expression, double startTime, double horizon)
-    : expression_(std::move(expression)), resolution_((horizon - startTime) / 2048), horizon_(horizon) {
+    : expression_(std::move(expression)), resolution_((horizon - startTime) / samples), horizon_(horizon) {
   append(startTime);
 }
 
