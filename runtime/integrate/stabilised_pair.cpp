@@ -35,8 +35,8 @@ void StabilisedPair::forget() {
   modeSteps_ = 0;
   restart();
   radius_.forget();
-  isKnown_ = isDamped_ = mayRock_ = false;
-  borderSteps_ = wasted_ = pauseLeft_ = 0;
+  isKnown_ = isDamped_ = mayRock_ = isDoubted_ = false;
+  borderSteps_ = doubtfulSteps_ = wasted_ = pauseLeft_ = 0;
   patience_ = leastPatience;
   pause_ = leastPause;
 }

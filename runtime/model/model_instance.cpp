@@ -96,14 +96,24 @@ std::optional<ModelInstance::Reference> ModelInstance::find(std::string_view nam
 }
 
 std::string ModelInstance::unknownName(std::string_view name, std::optional<tf_kind> kind) const {
-  NearestName nearest(withoutBlanks(name));
-  const auto fits = [&](std::int32_t variable) { return !kind || model_->variables[variable].kind == *kind; };
+  const std::string plain = withoutBlanks(name), opening = plain + "[";
+  NearestName nearest(plain);
+  const char *first = nullptr, *last = nullptr;  // elements of an array of this name
+  const auto offer = [&](const char *other, std::int32_t variable) {
+    if (kind && model_->variables[variable].kind != *kind)
+      return;
+    nearest.offer(other);
+    if (!std::string_view(other).starts_with(opening))
+      return;
+    first = first != nullptr ? first : other;
+    last = other;
+  };
   for (std::int32_t i = 0; i < model_->variable_count; ++i)
-    if (fits(i))
-      nearest.offer(model_->variables[i].name);
+    offer(model_->variables[i].name, i);
   for (std::int32_t i = 0; i < model_->alias_count; ++i)
-    if (fits(model_->aliases[i].variable))
-      nearest.offer(model_->aliases[i].name);
+    offer(model_->aliases[i].name, model_->aliases[i].variable);
+  if (first != nullptr)
+    return fmt::format("'{}' of model '{}' is an array: name one of its elements, '{}' to '{}'", name, model_->name, first, last);
   return fmt::format("model '{}' has no {} '{}'{}", model_->name, kindName(kind.value_or(TF_KIND_TIME)), name, nearest.suggestion());
 }
 

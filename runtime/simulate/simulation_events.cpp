@@ -58,7 +58,8 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) > rounding &&
       !dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  if (selection.indeterminate)
+  // Where no contact is to blame, loads that redundant contacts may share in several ways leave the motion open.
+  if (selection.indeterminate && selection.contact >= 0)
     transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
   compareModes(model_, previousMode_, mode_, transitions);
   // Motions nearby that still slip or move apart come to what the mode holds within an instant of the same order.

@@ -555,6 +555,25 @@ TEST(Impacts, OfAChainAreNotMoreAtLargerTolerances) {
     EXPECT_LE(impacts(tolerance), fine) << tolerance;
 }
 
+// Which foot of a table that slides bears how much is open, and with it the friction: no paradox of a contact.
+TEST(Impacts, LoadsThatAreOpenAreNoParadox) {
+  CompiledModel model(sourceFile("table_with_polyhedral_friction.tf", R"(
+model Table
+  parameter Real feet[4, 3] = {{-0.6, -0.4, -0.7}, {-0.6, 0.4, -0.7}, {0.6, -0.4, -0.7}, {0.6, 0.4, -0.7}};
+  coordinate Real p[3](start = {0, 0, 0.7});
+  coordinate Rotation Q;
+  body table(mass = 10, position = p, orientation = Q, inertia = diagonal({0.53, 1.2, 1.7}));
+  gravity weight(acceleration = {0, 0, -9.81});
+  Real foot[4, 3] = {p + Q*feet[i, :] for i in 1:4};
+  contact leg[4](gap = foot[:, 3], slip = der(foot[:, 1:2]), each friction = 0.4, each frictionForm = FrictionForm.Polyhedral);
+  force push(value = {30*time, 0, 0}, at = p + Q*{-0.6, 0.4, 0});
+end Table;
+)"));
+  model.tolerance(1e-6).run(1.3);
+  EXPECT_GE(model.count(TF_EVENT_SLIP), 4);
+  EXPECT_EQ(model.count(TF_EVENT_PAINLEVE), 0);
+}
+
 // Damping makes forces of the chain stiff: at a step's end they are quite other ones than on the closed contacts nearby, where the mode
 // ends. How the steps fall depends on the tolerance.
 TEST(Impacts, OfAChainLeaveForcesThatPressAtLooseTolerances) {

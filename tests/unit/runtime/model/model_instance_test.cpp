@@ -103,6 +103,7 @@ TEST(ModelInstance, RefusesWhatCannotBeSet) {
   ModelInstance instance(test::particleModel());
   EXPECT_EQ(setError(instance, "wieght", 1), "model 'Particle' has no variable 'wieght'; did you mean 'weight'?");
   EXPECT_EQ(setError(instance, "qwertyuiop", 1), "model 'Particle' has no variable 'qwertyuiop'");
+  EXPECT_EQ(setError(instance, "q", 1), "'q' of model 'Particle' is an array: name one of its elements, 'q[1]' to 'q[2]'");
   EXPECT_EQ(setError(instance, "time", 1), "'time' is computed by the model and cannot be set");
   EXPECT_EQ(setError(instance, "floor.gap", 1), "'floor.gap' is computed by the model and cannot be set");
   EXPECT_EQ(setError(instance, "der(der(q[1]))", 1), "'der(der(q[1]))' is computed by the model and cannot be set");
