@@ -14,9 +14,9 @@ namespace tf::driver {
 
 namespace {
 
-constexpr int samples = 2048;  // of a run
-
 using runtime::ModelInstance;
+
+constexpr int samples = 2048;  // of a run
 
 // Known names get ids in order of their first use; what they are is looked at after typing, where their spans are known.
 class Scope {
@@ -77,11 +77,12 @@ std::string outOfBounds(const flat::ExprPtr &expression, const std::string &name
   const auto reference = instance.find(name);
   if (!reference)
     return {};
+  const tf_variable &variable = instance.model().variables[reference->variable];
   for (int k = 0; k <= samples; ++k) {
     const double time = from + (to - from) * k / samples, value = reference->sign * valueAt(expression, time);
     if (!std::isfinite(value))
       continue;
-    if (const auto checked = instance.checkValue(reference->variable, value, name); !checked)
+    if (const auto checked = instance.checkValue(reference->variable, value, variable.name); !checked)
       return fmt::format("{} at time = {}", checked.error(), number(time));
   }
   return {};

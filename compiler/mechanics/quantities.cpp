@@ -73,10 +73,6 @@ private:
     const flat::Variable &variable = d_.variables.variable(scalar);
     Quantity &quantity = add(d_.variables.name(scalar), kind, index, variable.attributes.unit, variable.description, variable.span);
     setBounds(quantity, variable.attributes, scalar);
-    if (variable.type.base == flat::Base::Enumeration) {
-      quantity.min = std::max(quantity.min, 1.0);
-      quantity.max = std::min(quantity.max, static_cast<double>(variable.literals.size()));
-    }
     quantity.flags |= variable.isProtected ? TF_PROTECTED : 0;
     quantity.flags |= variable.causality == flat::Causality::Output ? TF_OUTPUT : 0;
     quantity.flags |= variable.type.base == flat::Base::Boolean ? TF_BOOLEAN : 0;
@@ -101,6 +97,10 @@ private:
   void setBounds(Quantity &quantity, const flat::Attributes &attributes, ScalarVariable scalar) {
     quantity.min = number(attributes.min, scalar, "'min'").value_or(quantity.min);
     quantity.max = number(attributes.max, scalar, "'max'").value_or(quantity.max);
+    if (const flat::Variable &variable = d_.variables.variable(scalar); variable.type.base == flat::Base::Enumeration) {
+      quantity.min = std::max(quantity.min, 1.0);
+      quantity.max = std::min(quantity.max, static_cast<double>(variable.literals.size()));
+    }
     quantity.nominal = number(attributes.nominal, scalar, "'nominal'").value_or(quantity.nominal);
   }
 

@@ -56,8 +56,8 @@ public:
     case ast::ExprKind::If:
       return conditional(expr, projections);
     case ast::ExprKind::Array:
-      if (expr.iterators.empty() && !projections.front().index.empty())
-        return element(expr, projections);
+      if (!projections.front().index.empty())
+        return expr.iterators.empty() ? element(expr, projections) : comprehension(expr, projections);
       break;
     case ast::ExprKind::Call:
       if (Class *record = constructedRecord(context_, expr, scope_); record != nullptr && !projections.front().field.empty())
@@ -103,29 +103,59 @@ private:
   }
 
   ExprPtr conditional(const ast::Expr &expr, std::span<const Projection> projections) {
-    ExprPtr result = type(*expr.operands[expr.operands.size() - 1], projections);
-    for (std::size_t i = expr.operands.size() - 1; i >= 2; i -= 2) {
-      const ExprPtr condition = typeExpression(context_, *expr.operands[i - 2], scope_);
-      const ExprPtr value = type(*expr.operands[i - 1], projections);
-      result = makeIf(condition, value, result, expr.span, context_.diagnostics);
-    }
-    return result;
+    return typeConditional(
+        context_, expr, scope_,
+        [this](const ast::Expr &condition, const Scope &scope) { return typeExpression(context_, condition, scope); },
+        [&](const ast::Expr &value, const Scope &scope) { return Projecting(context_, scope).type(value, projections); });
   }
 
+  // {x, y}[i]
   ExprPtr element(const ast::Expr &expr, std::span<const Projection> projections) {
-    const std::vector<int> &index = projections.front().index;
-    if (projections.front().sizes.front() != static_cast<int>(expr.operands.size())) {
-      context_.diagnostics.report(diag::SplitSize, expr.span, expr.operands.size(), projections.front().sizes.front());
+    const Projection &first = projections.front();
+    if (!hasSize(expr, expr.operands.size(), first, 0))
+      return nullptr;
+    return type(*expr.operands[static_cast<std::size_t>(first.index.front() - 1)], inside(projections, 1));
+  }
+
+  // {e for i in r, j in s}[l, k]: the last iterator is the outermost dimension.
+  ExprPtr comprehension(const ast::Expr &expr, std::span<const Projection> projections) {
+    const Projection &first = projections.front();
+    const std::size_t levels = expr.iterators.size();
+    if (first.index.size() < levels) {
+      context_.diagnostics.report(diag::NotSupported, expr.span, "this expression as the value of a whole record");
       return nullptr;
     }
+    Scope scope = scope_;
+    std::deque<Locals> bound;
+    for (std::size_t k = 0; k < levels; ++k) {
+      const ast::ForIndex &index = expr.iterators[levels - 1 - k];
+      const auto values = Typer(context_, scope).iteration(index, {expr.operands[0]});
+      if (!values || !hasSize(expr, values->size(), first, k))
+        return nullptr;
+      bound.push_back({scope.locals, index.name.text, (*values)[static_cast<std::size_t>(first.index[k] - 1)]});
+      scope.locals = &bound.back();
+    }
+    return Projecting(context_, scope).type(*expr.operands[0], inside(projections, levels));
+  }
+
+  bool hasSize(const ast::Expr &expr, std::size_t size, const Projection &projection, std::size_t dimension) {
+    if (projection.sizes[dimension] == static_cast<int>(size))
+      return true;
+    context_.diagnostics.report(diag::SplitSize, expr.span, size, projection.sizes[dimension]);
+    return false;
+  }
+
+  // What is left of the projections within an element of these dimensions.
+  static std::vector<Projection> inside(std::span<const Projection> projections, std::size_t dimensions) {
     std::vector<Projection> rest(projections.begin(), projections.end());
-    if (index.size() == 1) {
+    if (rest.front().index.size() == dimensions) {
       rest.erase(rest.begin());
     } else {
-      rest.front().index.erase(rest.front().index.begin());
-      rest.front().sizes.erase(rest.front().sizes.begin());
+      const auto count = static_cast<std::ptrdiff_t>(dimensions);
+      rest.front().index.erase(rest.front().index.begin(), rest.front().index.begin() + count);
+      rest.front().sizes.erase(rest.front().sizes.begin(), rest.front().sizes.begin() + count);
     }
-    return type(*expr.operands[static_cast<std::size_t>(index.front() - 1)], rest);
+    return rest;
   }
 
   // R(a, y = b).y; what is not given has the value of its declaration.

@@ -59,7 +59,7 @@ flat::Operator operatorOf(ast::Operator op) {
 std::unique_ptr<Typer> Typer::nested(const Locals *locals) {
   std::unique_ptr<Typer> inner = makeNested(locals);
   inner->ends_ = ends_;
-  inner->isUnreached_ = isUnreached_;
+  inner->scope_.isUnreached = scope_.isUnreached;
   return inner;
 }
 
@@ -243,39 +243,14 @@ ExprPtr Typer::typeRange(const ast::Expr &expr) {
   return makeLiteral({isInteger ? Base::Integer : Base::Real, {size}}, std::move(values), expr.span);
 }
 
-void Typer::checkUnreached(const ast::Expr &expr) {
-  const bool before = isUnreached_;
-  isUnreached_ = true;
-  type(expr);
-  isUnreached_ = before;
-}
-
-// Conditions and the values behind them, in turn, then the value where none holds. A condition on iterators, constants and sizes is
-// decided: behind it subscripts may leave their dimensions, as in if i == 1 then 0 else x[i - 1].
 ExprPtr Typer::typeIf(const ast::Expr &expr) {
-  std::vector<ExprPtr> conditions, values;
-  std::size_t i = 0;
-  bool isDecided = false;
-  for (; i + 1 < expr.operands.size() && !isDecided; i += 2) {
-    const ExprPtr condition = type(*expr.operands[i]);
-    const bool isCondition = condition != nullptr && condition->type == Type{Base::Boolean, {}};
-    const auto known = isCondition ? settledValue(context_, *condition) : std::nullopt;
-    if (known && known->front() == 0) {
-      checkUnreached(*expr.operands[i + 1]);
-      continue;
-    }
-    isDecided = known.has_value();
-    values.push_back(type(*expr.operands[i + 1]));
-    if (!isDecided)
-      conditions.push_back(condition);
-  }
-  for (; isDecided && i < expr.operands.size(); ++i)
-    checkUnreached(*expr.operands[i]);
-  if (!isDecided)
-    values.push_back(type(*expr.operands[expr.operands.size() - 1]));
-  ExprPtr result = values.back();
-  for (std::size_t k = conditions.size(); k-- > 0;)
-    result = makeIf(conditions[k], values[k], result, expr.span, diagnostics());
+  const bool before = scope_.isUnreached;
+  const auto typePart = [this](const ast::Expr &part, const Scope &scope) {
+    scope_.isUnreached = scope.isUnreached;
+    return type(part);
+  };
+  ExprPtr result = typeConditional(context_, expr, scope_, typePart, typePart);
+  scope_.isUnreached = before;
   return result;
 }
 
@@ -391,7 +366,7 @@ std::optional<flat::Selection> Typer::selection(const ast::Expr &subscript, int 
   for (const double value : *values) {
     const double position = typed->type.base == Base::Boolean ? value + 1 : value;
     if (position < 1 || position > size) {
-      if (!isUnreached_)
+      if (!scope_.isUnreached)
         diagnostics().report(diag::SubscriptRange, subscript.span, position, size);
       return std::nullopt;
     }
@@ -417,5 +392,48 @@ std::optional<std::vector<flat::Selection>> Typer::selections(const ast::List<as
 }
 
 ExprPtr typeExpression(Context &context, const ast::Expr &expr, const Scope &scope) { return Typer(context, scope).type(expr); }
+
+namespace {
+
+bool isCondition(const flat::Expr &expr) { return expr.type == Type{Base::Boolean, {}}; }
+
+// Integers become reals where the other type has them.
+bool haveCommonBase(const Type &a, const Type &b) {
+  const auto isNumber = [](const Type &type) { return type.base == Base::Real || type.base == Base::Integer; };
+  return a.base == b.base || (isNumber(a) && isNumber(b));
+}
+
+}  // namespace
+
+ExprPtr typeConditional(Context &context, const ast::Expr &expr, const Scope &scope, const PartTyping &typeCondition,
+                        const PartTyping &typeValue) {
+  Scope unreached = scope;
+  unreached.isUnreached = true;
+  // Conditions and the values behind them alternate; the last value is that where no condition holds.
+  std::vector<ExprPtr> conditions, values, otherValues;
+  bool isDecided = false;
+  for (std::size_t i = 0; i < expr.operands.size(); i += 2) {
+    const bool isLast = i + 1 == expr.operands.size();
+    const ExprPtr condition = isLast ? nullptr : typeCondition(*expr.operands[i], isDecided ? unreached : scope);
+    if (isDecided && condition != nullptr && !isCondition(*condition))
+      context.diagnostics.report(diag::ConditionType, condition->span, toString(condition->type));
+    const auto known = !isDecided && condition != nullptr && isCondition(*condition) ? settledValue(context, *condition) : std::nullopt;
+    const bool isPassedOver = isDecided || (known && known->front() == 0);
+    const ast::Expr &value = *expr.operands[isLast ? i : i + 1];
+    (isPassedOver ? otherValues : values).push_back(typeValue(value, isPassedOver ? unreached : scope));
+    if (!isDecided && !isLast && !known)
+      conditions.push_back(condition);
+    isDecided = isDecided || (known && !isPassedOver);
+  }
+  ExprPtr result = values.back();
+  for (std::size_t k = conditions.size(); k-- > 0;)
+    result = makeIf(conditions[k], values[k], result, expr.span, context.diagnostics);
+  for (const ExprPtr &other : otherValues)
+    if (result != nullptr && other != nullptr && !haveCommonBase(result->type, other->type)) {
+      context.diagnostics.report(diag::BranchTypes, expr.span, toString(result->type), toString(other->type));
+      return nullptr;
+    }
+  return result;
+}
 
 }  // namespace tf::semantics

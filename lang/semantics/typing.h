@@ -24,6 +24,7 @@ struct Scope {
   Class *enclosing = nullptr;
   const Locals *locals = nullptr;
   bool isFunctionBody = false;
+  bool isUnreached = false;  // behind a condition that is decided: its value is not needed
 };
 
 class Typer {
@@ -68,7 +69,6 @@ private:
   ExprPtr typeBinary(const ast::Expr &expr);
   ExprPtr typeRange(const ast::Expr &expr);
   ExprPtr typeIf(const ast::Expr &expr);
-  void checkUnreached(const ast::Expr &expr);
   ExprPtr typeArray(const ast::Expr &expr);
   ExprPtr typeComprehension(const ast::Expr &expr, std::size_t level, const Locals *locals);
   ExprPtr typeMatrix(const ast::Expr &expr);
@@ -80,12 +80,18 @@ private:
 
   Context &context_;
   Scope scope_;
-  std::vector<int> ends_;     // sizes of the dimensions whose subscripts are being typed: `end`
-  bool isUnreached_ = false;  // the value of what is being typed is not needed
+  std::vector<int> ends_;  // sizes of the dimensions whose subscripts are being typed: `end`
 };
 
 // Types an expression in `scope`.
 [[nodiscard]] ExprPtr typeExpression(Context &context, const ast::Expr &expr, const Scope &scope);
+
+// How a part of an expression is typed in a scope.
+using PartTyping = std::function<ExprPtr(const ast::Expr &, const Scope &)>;
+// Types an `if`. A condition on iterators, constants and sizes is decided: values behind it that are not needed are checked in a scope that
+// says so. Their subscripts may leave their dimensions, as in if i == 1 then 0 else x[i - 1], and arrays may have another size.
+[[nodiscard]] ExprPtr typeConditional(Context &context, const ast::Expr &expr, const Scope &scope, const PartTyping &typeCondition,
+                                      const PartTyping &typeValue);
 
 // Value known now: constants and parameters, which become structural. Not reported if there is none.
 [[nodiscard]] std::optional<std::vector<double>> constantValue(Context &context, const flat::Expr &expr);

@@ -1,8 +1,7 @@
 // Impulses of contacts that stick are not unique where the contacts are redundant: the motion needs only their sum. Each piece of an impact
 // has impulses within the cones (theory.md sections 3 and 6), so their sum has, too; the representative that the path was computed with
 // need not have. It is replaced by the least-norm one of those that do.
-#ifndef TF_RUNTIME_CONTACT_ADMISSIBLE_IMPULSE_H
-#define TF_RUNTIME_CONTACT_ADMISSIBLE_IMPULSE_H
+#pragma once
 
 #include "runtime/contact/conic_forces.h"
 #include "runtime/contact/frozen_phase.h"
@@ -35,5 +34,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

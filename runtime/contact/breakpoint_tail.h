@@ -1,7 +1,6 @@
 // Finds out that the breakpoints of a frozen phase repeat: a cycle of the same rows whose pieces shrink by a constant factor has infinitely
 // many breakpoints in finite numerical time, and its sum is geometric (theory.md section 3). With the factor 1 it repeats as it is.
-#ifndef TF_RUNTIME_CONTACT_BREAKPOINT_TAIL_H
-#define TF_RUNTIME_CONTACT_BREAKPOINT_TAIL_H
+#pragma once
 
 #include <span>
 #include <vector>
@@ -44,5 +43,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -2,8 +2,7 @@
 // TwoSided rows that share the disk ‖λ_t‖ ≤ limit: w_t = 0, or λ_t = −limit·w_t/‖w_t‖. Forces are the zeros of the projection equations
 //     λ = P_K(λ − w),   w = D λ + φ,
 // (Alart and Curnier, Computer Methods in Applied Mechanics and Engineering 92, 1991), found by the semismooth Newton method.
-#ifndef TF_RUNTIME_CONTACT_CONE_FRICTION_H
-#define TF_RUNTIME_CONTACT_CONE_FRICTION_H
+#pragma once
 
 #include "runtime/contact/lu_factor.h"
 #include "runtime/contact/planar_friction.h"
@@ -80,5 +79,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

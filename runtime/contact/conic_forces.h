@@ -4,8 +4,7 @@
 // (theory.md section 6). Both are convex problems in the null space of A, solved by a logarithmic barrier (Boyd and Vandenberghe, Convex
 // Optimization, 2004, sections 11.3 and 11.6) to rounding. Along a motion the least-norm point is followed by Newton's method on its
 // optimality conditions while the same limits are active.
-#ifndef TF_RUNTIME_CONTACT_CONIC_FORCES_H
-#define TF_RUNTIME_CONTACT_CONIC_FORCES_H
+#pragma once
 
 #include <Eigen/Dense>
 
@@ -77,5 +76,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

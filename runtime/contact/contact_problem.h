@@ -10,8 +10,7 @@
 //     slipSign_j ≠ 0 of both: the first row lies along the slip (slipSign 1), the second across it carries no force (friction, bound 0)
 //     slipSign_j = 0 of both: ‖λ_t‖ ≤ limit with w_t = 0, or λ_t = −limit·w_t/‖w_t‖ (theory.md section 4)
 // Units are the model's own; all tolerances are relative to the scale of the problem in the metric of D.
-#ifndef TF_RUNTIME_CONTACT_CONTACT_PROBLEM_H
-#define TF_RUNTIME_CONTACT_CONTACT_PROBLEM_H
+#pragma once
 
 #include "runtime/contact/dense.h"
 
@@ -92,5 +91,3 @@ struct ContactSolution {
 };
 
 }  // namespace tf::runtime
-
-#endif

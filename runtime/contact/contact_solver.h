@@ -1,7 +1,6 @@
 // Which mode the contacts take, and their forces: the frictional contact problem at acceleration level and, where it is degenerate, at the
 // level of the next derivative (theory.md section 6).
-#ifndef TF_RUNTIME_CONTACT_CONTACT_SOLVER_H
-#define TF_RUNTIME_CONTACT_CONTACT_SOLVER_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/force_set.h"
@@ -64,5 +63,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,7 +1,6 @@
 // Which contacts an impact reaches: forces of a contact accelerate those with which it shares entries of D, bodies that touch neither move
 // on as if nothing had happened.
-#ifndef TF_RUNTIME_CONTACT_COUPLED_CONTACTS_H
-#define TF_RUNTIME_CONTACT_COUPLED_CONTACTS_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 
@@ -26,5 +25,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

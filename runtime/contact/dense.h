@@ -1,7 +1,6 @@
 // Dense storage of the contact solvers: shapes change from mode to mode, memory is kept, so that nothing is allocated after the largest
 // shape has been seen.
-#ifndef TF_RUNTIME_CONTACT_DENSE_H
-#define TF_RUNTIME_CONTACT_DENSE_H
+#pragma once
 
 #include <Eigen/Core>
 
@@ -51,5 +50,3 @@ private:
 }
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,7 +1,6 @@
 // Kernels of dense linear algebra for tens to hundreds of rows. Every sum has a fixed order: the code for wider vector registers, which the
 // loader picks where the processor has them, gives the same bits.
-#ifndef TF_RUNTIME_CONTACT_DENSE_KERNELS_H
-#define TF_RUNTIME_CONTACT_DENSE_KERNELS_H
+#pragma once
 
 #include <cstddef>
 
@@ -51,5 +50,3 @@ int factoriseSemidefinite(double *matrix, int size, double dependence, int *orde
 bool factoriseLu(double *matrix, int size, double singular, int *pivot);
 
 }  // namespace tf::runtime
-
-#endif

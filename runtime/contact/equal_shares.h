@@ -1,7 +1,6 @@
 // The forces of a mode whose redundant rows are equal, as those of a body that lies flat: what sets of equal unknowns add up to follows
 // from square equations, and the least-norm force has equal shares of it.
-#ifndef TF_RUNTIME_CONTACT_EQUAL_SHARES_H
-#define TF_RUNTIME_CONTACT_EQUAL_SHARES_H
+#pragma once
 
 #include "runtime/contact/lu_factor.h"
 
@@ -43,5 +42,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

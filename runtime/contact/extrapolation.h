@@ -1,7 +1,6 @@
 // One step of y' = f(y) by extrapolation of the linearly implicit midpoint rule, whose error has an expansion in h² (Bader and Deuflhard,
 // Numerische Mathematik 41, 1983): high order, and stable where f is stiff, as friction is while a slip is small.
-#ifndef TF_RUNTIME_CONTACT_EXTRAPOLATION_H
-#define TF_RUNTIME_CONTACT_EXTRAPOLATION_H
+#pragma once
 
 #include <Eigen/Dense>
 
@@ -92,5 +91,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,8 +1,7 @@
 // All forces of one contact mode, a convex set: A x = rhs on the active rows, λ_n ≥ 0 and ‖λ_t‖ ≤ limit. More than one point where
 // contacts are redundant (D singular on the active rows); its representative is the least-norm force (theory.md section 6). It is a
 // polyhedron unless slips with two components stick (isConic).
-#ifndef TF_RUNTIME_CONTACT_FORCE_SET_H
-#define TF_RUNTIME_CONTACT_FORCE_SET_H
+#pragma once
 
 #include "runtime/contact/conic_forces.h"
 #include "runtime/contact/contact_problem.h"
@@ -170,5 +169,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,8 +1,7 @@
 // What contacts do on one piece of a frozen phase with slips of two components, and their forces there as a function of the velocities: the
 // direction of friction of pairs turns with their slip (spatial_frozen_phase.h). The equations are factorised once for a piece, without
 // that friction; with it remains a system of the size of the number of pairs that slip under a held contact.
-#ifndef TF_RUNTIME_CONTACT_FROZEN_MODE_H
-#define TF_RUNTIME_CONTACT_FROZEN_MODE_H
+#pragma once
 
 #include "runtime/contact/conic_forces.h"
 #include "runtime/contact/frozen_phase.h"
@@ -107,5 +106,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

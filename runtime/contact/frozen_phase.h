@@ -2,8 +2,7 @@
 // auxiliary fields of the contacts that push. v' is constant between the zeros of c2_i, c3_i and of what contacts store for their
 // restitution (restitution.h), so the path is piecewise linear and is followed from breakpoint to breakpoint without step size or
 // tolerance.
-#ifndef TF_RUNTIME_CONTACT_FROZEN_PHASE_H
-#define TF_RUNTIME_CONTACT_FROZEN_PHASE_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/restitution.h"
@@ -94,5 +93,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

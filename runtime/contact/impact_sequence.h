@@ -2,8 +2,7 @@
 // friction and bounds are those of one instant, so that flights are parabolas and impacts are frozen phases, exactly. The motion scales:
 // with all speeds and times multiplied by a factor it is a motion again. A sequence of impacts that repeats with a contracting factor
 // therefore ends after a finite time, the sum of a geometric series.
-#ifndef TF_RUNTIME_CONTACT_IMPACT_SEQUENCE_H
-#define TF_RUNTIME_CONTACT_IMPACT_SEQUENCE_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/restitution.h"
@@ -54,5 +53,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

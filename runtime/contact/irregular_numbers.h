@@ -1,6 +1,5 @@
 // Numbers of no regularity, by which sums of products tell different rows of numbers apart (the sequence of the golden ratio).
-#ifndef TF_RUNTIME_CONTACT_IRREGULAR_NUMBERS_H
-#define TF_RUNTIME_CONTACT_IRREGULAR_NUMBERS_H
+#pragma once
 
 #include <cmath>
 
@@ -13,5 +12,3 @@ inline double irregularNumber(int k) {
 }
 
 }  // namespace tf::runtime
-
-#endif

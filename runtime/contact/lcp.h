@@ -1,8 +1,7 @@
 // Mixed linear complementarity problem w = M z + q: rows 0 ≤ z ⟂ w ≥ 0 and free rows, z of any sign and w = 0. Lemke's complementary
 // pivoting (Cottle, Pang and Stone, The Linear Complementarity Problem, 1992, section 4.4) with the lexicographic ratio test, so that
 // degenerate problems end too.
-#ifndef TF_RUNTIME_CONTACT_LCP_H
-#define TF_RUNTIME_CONTACT_LCP_H
+#pragma once
 
 #include "runtime/contact/dense.h"
 
@@ -51,5 +50,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,8 +1,7 @@
 // The point of a polyhedron nearest to an origin: min ½‖x − x₀‖² subject to nᵀx = c for the first constraints, nᵀx ≥ c for the others.
 // Dual active-set method (Goldfarb and Idnani, Mathematical Programming 27, 1983) with Hessian I: it starts at x₀ and adds one violated
 // constraint after the other, so that an empty polyhedron is proved, not guessed. Dependent equations are found and left out.
-#ifndef TF_RUNTIME_CONTACT_LEAST_NORM_H
-#define TF_RUNTIME_CONTACT_LEAST_NORM_H
+#pragma once
 
 #include "runtime/contact/dense.h"
 
@@ -90,5 +89,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

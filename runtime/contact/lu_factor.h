@@ -1,6 +1,5 @@
 // LU factorisation with partial pivoting for the small dense systems of contact modes, without allocation after the largest size.
-#ifndef TF_RUNTIME_CONTACT_LU_FACTOR_H
-#define TF_RUNTIME_CONTACT_LU_FACTOR_H
+#pragma once
 
 #include "runtime/contact/dense.h"
 
@@ -36,5 +35,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,7 +1,6 @@
 // The linear equations of one contact mode: λ = E x + b, where x are the forces of the active rows (w = 0), E carries the friction that
 // slipping contacts take along (λ_t = −s μ λ_n) and b what does not depend on x; A x = −(φ + D b) on the active rows, A = D E.
-#ifndef TF_RUNTIME_CONTACT_MODE_EQUATIONS_H
-#define TF_RUNTIME_CONTACT_MODE_EQUATIONS_H
+#pragma once
 
 #include "runtime/contact/lu_factor.h"
 
@@ -55,5 +54,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

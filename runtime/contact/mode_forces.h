@@ -1,8 +1,7 @@
 // Contact forces as a smooth function of D, φ, μ and bounds within one mode: w = 0 on the active rows (closed normals, sticking tangents),
 // λ_t = −s·limit on the slipping ones. Where D is singular on the active rows: the least-norm λ, on the limits that its mode saturates
 // (theory.md section 6).
-#ifndef TF_RUNTIME_CONTACT_MODE_FORCES_H
-#define TF_RUNTIME_CONTACT_MODE_FORCES_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/force_set.h"
@@ -89,5 +88,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,7 +1,6 @@
 // Decisions on the next derivative: rows for which forces and accelerations leave two modes open follow the first-order problem
 // ẇ = D λ̇ + accelerationRate, in which the other rows keep their equations (theory.md section 6).
-#ifndef TF_RUNTIME_CONTACT_NEXT_DERIVATIVE_H
-#define TF_RUNTIME_CONTACT_NEXT_DERIVATIVE_H
+#pragma once
 
 #include "runtime/contact/cone_friction.h"
 #include "runtime/contact/contact_solver.h"
@@ -46,5 +45,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,6 +1,5 @@
 // The null space of a matrix A by the factorisation of its transpose (Golub and Van Loan, Matrix Computations, section 5.4.2).
-#ifndef TF_RUNTIME_CONTACT_NULL_SPACE_H
-#define TF_RUNTIME_CONTACT_NULL_SPACE_H
+#pragma once
 
 #include <Eigen/Dense>
 
@@ -15,5 +14,3 @@ inline void findNullSpace(const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> &tra
 }
 
 }  // namespace tf::runtime
-
-#endif

@@ -6,8 +6,7 @@
 //   None  λ = 0        Slip  λ = −sign·limit        Bilateral  w = 0
 //   TwoSided  |λ| ≤ limit with w = 0, or λ = −limit·sign(w)
 //   OneSided  (limit − sign·λ) ≥ 0 ⟂ −sign·w ≥ 0: the force is at sign·limit and may leave it
-#ifndef TF_RUNTIME_CONTACT_PLANAR_FRICTION_H
-#define TF_RUNTIME_CONTACT_PLANAR_FRICTION_H
+#pragma once
 
 #include "runtime/contact/lcp.h"
 #include "runtime/contact/mode_equations.h"
@@ -134,5 +133,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

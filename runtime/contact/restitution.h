@@ -5,8 +5,7 @@
 //   Newton   pushes until c2 = −ε c2⁻: the same automaton as without restitution, in c2 less this target
 // Velocities below are c2 less the target. Contacts that are held at zero by others store nothing. How the velocities move while the
 // contacts push (friction in one or two directions) is no business of this class.
-#ifndef TF_RUNTIME_CONTACT_RESTITUTION_H
-#define TF_RUNTIME_CONTACT_RESTITUTION_H
+#pragma once
 
 #include <cstdint>
 #include <limits>
@@ -57,5 +56,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,7 +1,6 @@
 // Symmetric positive semidefinite systems: Cholesky's method with diagonal pivoting (Higham, Accuracy and Stability of Numerical
 // Algorithms, 2002, section 10.3), which ends where the rows that are left depend on those before.
-#ifndef TF_RUNTIME_CONTACT_SEMIDEFINITE_FACTOR_H
-#define TF_RUNTIME_CONTACT_SEMIDEFINITE_FACTOR_H
+#pragma once
 
 #include "runtime/contact/dense.h"
 
@@ -32,5 +31,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

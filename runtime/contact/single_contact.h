@@ -1,6 +1,5 @@
 // The contact problem of one contact with at most one tangential row, where its mode is clear: most instants of most models pose no other.
-#ifndef TF_RUNTIME_CONTACT_SINGLE_CONTACT_H
-#define TF_RUNTIME_CONTACT_SINGLE_CONTACT_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 
@@ -12,5 +11,3 @@ namespace tf::runtime {
 bool solveSingleContact(const ContactProblem &problem, double degeneracy, ContactSolution &solution);
 
 }  // namespace tf::runtime
-
-#endif

@@ -1,7 +1,6 @@
 // The impact of one contact with friction in one direction or none (theory.md section 3): at most five pieces in closed form. The same path
 // as FrozenPhase, which follows any number of contacts.
-#ifndef TF_RUNTIME_CONTACT_SINGLE_CONTACT_PHASE_H
-#define TF_RUNTIME_CONTACT_SINGLE_CONTACT_PHASE_H
+#pragma once
 
 #include "runtime/contact/frozen_phase.h"
 
@@ -18,5 +17,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

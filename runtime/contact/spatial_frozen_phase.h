@@ -4,8 +4,7 @@
 //     P' = λ(v),   v = v⁻ + D P,
 // with the zeros of c2, ‖v_t‖, force margins and stored impulses located inside the steps. At ‖v_t‖ = 0 the frictional contact problem with
 // the forces that push decides: the slip stays zero, or restarts along the unit u with D_tn − μ D_tt u = k u, k > 0.
-#ifndef TF_RUNTIME_CONTACT_SPATIAL_FROZEN_PHASE_H
-#define TF_RUNTIME_CONTACT_SPATIAL_FROZEN_PHASE_H
+#pragma once
 
 #include "runtime/contact/frozen_phase.h"
 
@@ -33,5 +32,3 @@ private:
 };
 
 }  // namespace tf::runtime
-
-#endif

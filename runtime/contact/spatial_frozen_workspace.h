@@ -1,7 +1,6 @@
 // The parts of SpatialFrozenPhase: the path from breakpoint to breakpoint (spatial_frozen_phase.cpp), its curved pieces
 // (spatial_frozen_curves.cpp), and steps of the implicit Euler method over what is nearly zero or stiff (spatial_frozen_steps.cpp).
-#ifndef TF_RUNTIME_CONTACT_SPATIAL_FROZEN_WORKSPACE_H
-#define TF_RUNTIME_CONTACT_SPATIAL_FROZEN_WORKSPACE_H
+#pragma once
 
 #include "runtime/contact/cone_friction.h"
 #include "runtime/contact/extrapolation.h"
@@ -140,5 +139,3 @@ struct SpatialFrozenPhase::Workspace {
 };
 
 }  // namespace tf::runtime
-
-#endif

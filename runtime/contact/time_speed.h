@@ -1,6 +1,5 @@
 // How fast physical time runs in numerical time while contacts persist, and the step variables of the contacts (theory.md section 2).
-#ifndef TF_RUNTIME_CONTACT_TIME_SPEED_H
-#define TF_RUNTIME_CONTACT_TIME_SPEED_H
+#pragma once
 
 #include <span>
 
@@ -21,5 +20,3 @@ void pushes(std::span<const double> normalForce, std::span<const double> rate, d
 double slipStepVariable(double tangentForce, double limit);
 
 }  // namespace tf::runtime
-
-#endif

@@ -150,11 +150,10 @@ bool ModeDynamics::prepare(double time, const double *state) {
   return true;
 }
 
-// Neither forces nor what the mode holds at zero depend on time or inputs that change.
-bool ModeDynamics::isTimeless() const {
-  return !at_.forcesVary() &&
-         std::none_of(rows_.contacts().begin(), rows_.contacts().end(), [this](int contact) { return at_.gapVaries(contact); }) &&
-         std::none_of(rows_.tangents().begin(), rows_.tangents().end(), [this](int row) { return at_.slipVaries(row); });
+// What the mode holds at zero depends on time or inputs that change.
+bool ModeDynamics::rowsVary() const {
+  return std::any_of(rows_.contacts().begin(), rows_.contacts().end(), [this](int contact) { return at_.gapVaries(contact); }) ||
+         std::any_of(rows_.tangents().begin(), rows_.tangents().end(), [this](int row) { return at_.slipVaries(row); });
 }
 
 // By the rank of the rows that are zero in the mode, at the point of `prepare`.
@@ -189,7 +188,8 @@ bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *
   int heldRows = model.nh + rows_.normalCount();
   for (const std::int8_t slip : contactMode_.slip)
     heldRows += slip == 0 ? 1 : 0;
-  return heldRows >= model.nv && model.nv > 0 && sliding_.empty() && isTimeless() && prepare(time, state) && leavesNoVelocity();
+  return heldRows >= model.nv && model.nv > 0 && sliding_.empty() && !at_.forcesVary() && !rowsVary() && prepare(time, state) &&
+         leavesNoVelocity();
 }
 
 bool ModeDynamics::restsByItsRows(const double *state) {
@@ -198,12 +198,7 @@ bool ModeDynamics::restsByItsRows(const double *state) {
   for (int i = model.nq; i < model.nq + model.nv; ++i)
     if (std::abs(state[i]) > rounding)
       return false;
-  if (model.nh > 0 || model.nv == 0 || rows_.count() < model.nv)
-    return false;
-  const bool varies =
-      std::any_of(rows_.contacts().begin(), rows_.contacts().end(), [this](int contact) { return at_.gapVaries(contact); }) ||
-      std::any_of(rows_.tangents().begin(), rows_.tangents().end(), [this](int row) { return at_.slipVaries(row); });
-  return !varies && holdsAll();
+  return model.nh == 0 && model.nv > 0 && rows_.count() >= model.nv && !rowsVary() && holdsAll();
 }
 
 void ModeDynamics::keepEvaluation(double time, const double *state) {

@@ -225,7 +225,7 @@ public:
 private:
   void readSlips(double time, const double *state);
   [[nodiscard]] bool isPrepared(const Mode &mode) const;
-  [[nodiscard]] bool isTimeless() const;
+  [[nodiscard]] bool rowsVary() const;
   [[nodiscard]] bool leavesNoVelocity();
   bool choose(const Mode &mode, double time, const double *state, const SolvedContacts *solved = nullptr);
   bool prepare(double time, const double *state);

@@ -15,6 +15,8 @@ constexpr int leastPause = 4, mostPause = 1000;
 constexpr double leastRock = 1.2;
 // The Jacobian changes slowly along the motion (Abdulle 2002).
 constexpr int stepsPerEstimate = 25;
+// Steps at the border, in a row, that show that the radius is larger than its bound.
+constexpr int doubtfulPatience = 3;
 
 }  // namespace
 
@@ -35,7 +37,7 @@ void StabilisedPair::forget() {
   modeSteps_ = 0;
   restart();
   radius_.forget();
-  isKnown_ = isDamped_ = mayRock_ = isDoubted_ = false;
+  isKnown_ = isDamped_ = mayRock_ = false;
   borderSteps_ = doubtfulSteps_ = wasted_ = pauseLeft_ = 0;
   patience_ = leastPatience;
   pause_ = leastPause;
@@ -45,12 +47,12 @@ void StabilisedPair::forget() {
 double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) {
   mayRock_ = isAdjusted_ = false;
   isDamped_ = isKnown_ && !dynamics.hasTurningSlips();
-  if (!isDamped_ || (radius_.isKnown() && !isDoubted_ && h * radius_.bound() <= border_))
+  if (!isDamped_ || (radius_.isKnown() && !isDoubted() && h * radius_.bound() <= border_))
     return h;
   if (needsEstimate(h)) {
     radius_.estimate(dynamics, t0, y0, f0, modeSteps_ == 0, scale);
     stepsSinceEstimate_ = doubtfulSteps_ = 0;
-    isNewMode_ = isDoubted_ = false;
+    isNewMode_ = false;
   }
   if (!radius_.isDamping()) {
     isKnown_ = isDamped_ = false;
@@ -65,6 +67,8 @@ double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, c
   mayRock_ = pauseLeft_ == 0 && reach >= leastRock * border_;
   return std::min(h, (mayRock_ ? Rock4::border() : border_) / radius_.bound());
 }
+
+bool StabilisedPair::isDoubted() const { return doubtfulSteps_ >= doubtfulPatience; }
 
 // The largest eigenvalue seldom grows much from mode to mode: contacts that close make it smaller. Steps of many stages are worth an
 // estimate, or several steps in one mode; too small a one shows in the error.
@@ -116,12 +120,10 @@ void StabilisedPair::doubtRadius(const double *error, const double *scale) {
 
 // Explicit steps that are at their border where the bound of the radius has them well inside.
 void StabilisedPair::watchBorder(const double *scale) {
-  constexpr int patience = 3;
   const ExplicitMethod &method = explicitMethod();
   const bool isInside = isDamped_ && radius_.isKnown() && length_ * radius_.bound() < 0.9 * method.stabilityBorder();
   doubtfulSteps_ = isInside && method.stabilityRatio() > 1 ? doubtfulSteps_ + 1 : 0;
-  isDoubted_ = doubtfulSteps_ >= patience;
-  if (isDoubted_)
+  if (isDoubted())
     doubtRadius(method.error(), scale);
 }
 
@@ -160,7 +162,7 @@ void StabilisedPair::judge() {
 // more it is worth the begin of an implicit method.
 double StabilisedPair::stabilityRatio() const {
   constexpr double lasting = 50;
-  return isRock_ ? rock_.stabilityRatio() * (1 + modeSteps_ / lasting) : isDamped_ && !isDoubted_ ? 0 : explicitMethod().stabilityRatio();
+  return isRock_ ? rock_.stabilityRatio() * (1 + modeSteps_ / lasting) : isDamped_ && !isDoubted() ? 0 : explicitMethod().stabilityRatio();
 }
 
 }  // namespace tf::runtime

@@ -35,6 +35,7 @@ private:
   [[nodiscard]] bool needsEstimate(double h) const;
   [[nodiscard]] bool mayBeLow(double h) const;
   void judge();
+  [[nodiscard]] bool isDoubted() const;
   void watchBorder(const double *scale);
   void doubtRadius(const double *error, const double *scale);
   [[nodiscard]] ExplicitMethod &explicitMethod() const { return isLow_ ? *low_ : *pair_; }
@@ -58,8 +59,7 @@ private:
   int pause_, pauseLeft_;       // steps of the pair after one of ROCK4 that was not worth its evaluations
   int wasted_ = 0;              // evaluations of rejected steps
   int stepsSinceEstimate_ = 0;  // of ROCK4
-  bool isDoubted_ = false;      // steps at the border show that the radius is larger than its bound
-  int doubtfulSteps_ = 0;       // of them, since the estimate
+  int doubtfulSteps_ = 0;       // in a row, at the pair's border though the bound of the radius has them well inside
   bool isNewMode_ = true;       // since the estimate
   bool isAdjusted_ = false;     // the step is shorter than wanted, or ROCK4's
   int adjustedSteps_ = 0;       // such ones in this mode

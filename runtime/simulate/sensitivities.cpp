@@ -192,13 +192,14 @@ bool Sensitivities::evaluate(SmoothIntegrator &integrator, double time) {
 
 // A and b at the point of the last evaluation.
 bool Sensitivities::linearise(double time, Eigen::MatrixXd &slope, Eigen::MatrixXd &offset) {
+  const bool rests = dynamics_.restsByItsRows(state_.data());
   if (!dynamics_.jacobian(time, state_.data(), jacobian_.data()))
     return false;
   slope = jacobian_.topLeftCorner(n_, n_);
   if (!inhomogeneity(time, state_.data(), slope, offset))
     return false;
   // Differences of forces that are found by iteration, as those within several cones, are no zeros.
-  if (dynamics_.evaluate(time, state_.data(), rate_.data()) && dynamics_.restsByItsRows(state_.data())) {
+  if (rests) {
     const tf_model &model = dynamics_.model().model();
     slope.middleRows(model.nq, model.nv).setZero();
     offset.middleRows(model.nq, model.nv).setZero();
@@ -300,8 +301,8 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   constexpr double likeness = 5, smallest = 1e-8;
   // A jump is found in fewer divisions; what goes on jumping is rounding.
   constexpr int mostDivisions = 100;
-  // More pieces of a step are no progress: differences of the rate are not as exact as the tolerance asks for.
-  constexpr int mostPieces = 20000;
+  // More attempts at pieces of a step are no progress: differences of the rate are not as exact as the tolerance asks for.
+  constexpr int mostAttempts = 20000;
   const double h = integrator.endTime() - integrator.beginTime();
   if (!(h > 0) || columns_.empty() || n_ == 0)
     return true;
@@ -309,7 +310,7 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   const bool isControlled = settings.fixedStep <= 0;
   // Friction that turns with a slip of two components is steep where that is small, which the methods' difference shows.
   bool watchesJumps = isControlled && dynamics_.turningSlipCount() == 0;
-  int divisions = 0, pieces = 0;
+  int divisions = 0, attempts = 0;
   largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   begin_.isKnown = end_.isKnown = false;
   if (watchesJumps)
@@ -317,7 +318,7 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   for (double time = integrator.beginTime(), left = h; left > 0; left = integrator.endTime() - time) {
     double length = isControlled && piece_ > 0 && piece_ < left ? piece_ : left;
     while (true) {
-      if (++pieces > mostPieces || !sample(integrator, time, length))
+      if (++attempts > mostAttempts || !sample(integrator, time, length))
         return false;
       damped_.step(length, slopes_, offsets_, matrix_, next_);
       if (!next_.allFinite())

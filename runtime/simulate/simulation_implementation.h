@@ -1,5 +1,5 @@
 // The state of a simulation and its parts; simulation.cpp has the way through time, simulation_steps.cpp the ends of its steps,
-// simulation_events.cpp what happens at events.
+// simulation_events.cpp what happens at events, simulation_impacts.cpp frozen phases, simulation_slips.cpp the end and the turn of slips.
 #pragma once
 
 #include "runtime/simulate/constrained_start.h"
@@ -129,13 +129,6 @@ private:
   tf_status settle(std::vector<Transition> &transitions, EventHint hint = {});
   tf_status enterMode(const Selection &selection, std::vector<Transition> &transitions);
   void readApproaches();
-  tf_status freeze(std::vector<Transition> &transitions, int forced);
-  double projectOnto(const Mode &mode, double time, double *state);
-  void closeTogether(const std::vector<int> &contacts);
-  tf_status stopFaint(const std::vector<int> &contacts);
-  [[nodiscard]] bool acceptsStop(const std::vector<int> &contacts, const Mode &resting, const std::vector<double> &gapRates,
-                                 const std::vector<double> &slips, double slow);
-  tf_status stopSlow(const std::vector<int> &contacts, double slow);
   tf_status failWithoutProgress();
   bool switchesFaintly(int j);
   double crossSwitch(int guard, double farthest);
@@ -146,6 +139,24 @@ private:
   std::vector<Transition> &beginTransitions();
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
+  tf_status handle(DetectedEvent event, double limit);
+  tf_status changeMode(const Guard &guard, int stopped, double limit);
+  tf_status afterImpact(double limit);
+  bool penetrates(const Mode &mode);
+  tf_status comeToRest(const RestPoint &point);
+  tf_status jam(int contact);
+  tf_status timeEvent();
+
+  // simulation_impacts.cpp
+  tf_status freeze(std::vector<Transition> &transitions, int forced);
+  double projectOnto(const Mode &mode, double time, double *state);
+  void closeTogether(const std::vector<int> &contacts);
+  tf_status stopFaint(const std::vector<int> &contacts);
+  [[nodiscard]] bool acceptsStop(const std::vector<int> &contacts, const Mode &resting, const std::vector<double> &gapRates,
+                                 const std::vector<double> &slips, double slow);
+  tf_status stopSlow(const std::vector<int> &contacts, double slow);
+
+  // simulation_slips.cpp
   double stopTolerance();
   double velocityScale();
   bool locateStop(DetectedEvent &event);
@@ -155,13 +166,6 @@ private:
   tf_status followTurn(const DetectedEvent &event);
   tf_status approach(const DetectedEvent &event);
   tf_status endStep(double next);
-  tf_status handle(DetectedEvent event, double limit);
-  tf_status changeMode(const Guard &guard, int stopped, double limit);
-  tf_status afterImpact(double limit);
-  bool penetrates(const Mode &mode);
-  tf_status comeToRest(const RestPoint &point);
-  tf_status jam(int contact);
-  tf_status timeEvent();
 };
 
 }  // namespace tf::runtime

@@ -1,5 +1,6 @@
 // Examples with restitution, infinitely many impacts (Zeno) and Painlevé's paradox against closed forms and independent references.
 #include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/pushed_table.h"
 
 #include <algorithm>
 #include <array>
@@ -557,18 +558,7 @@ TEST(Impacts, OfAChainAreNotMoreAtLargerTolerances) {
 
 // Which foot of a table that slides bears how much is open, and with it the friction: no paradox of a contact.
 TEST(Impacts, LoadsThatAreOpenAreNoParadox) {
-  CompiledModel model(sourceFile("table_with_polyhedral_friction.tf", R"(
-model Table
-  parameter Real feet[4, 3] = {{-0.6, -0.4, -0.7}, {-0.6, 0.4, -0.7}, {0.6, -0.4, -0.7}, {0.6, 0.4, -0.7}};
-  coordinate Real p[3](start = {0, 0, 0.7});
-  coordinate Rotation Q;
-  body table(mass = 10, position = p, orientation = Q, inertia = diagonal({0.53, 1.2, 1.7}));
-  gravity weight(acceleration = {0, 0, -9.81});
-  Real foot[4, 3] = {p + Q*feet[i, :] for i in 1:4};
-  contact leg[4](gap = foot[:, 3], slip = der(foot[:, 1:2]), each friction = 0.4, each frictionForm = FrictionForm.Polyhedral);
-  force push(value = {30*time, 0, 0}, at = p + Q*{-0.6, 0.4, 0});
-end Table;
-)"));
+  CompiledModel model(sourceFile("table_with_polyhedral_friction.tf", pushedTable("Polyhedral")));
   model.tolerance(1e-6).run(1.3);
   EXPECT_GE(model.count(TF_EVENT_SLIP), 4);
   EXPECT_EQ(model.count(TF_EVENT_PAINLEVE), 0);

@@ -1,6 +1,7 @@
 // Sensitivities across impacts, stick and slip: against closed forms, and against differences of whole runs.
 #include "tests/accuracy/compiled_model.h"
 #include "tests/accuracy/each_integrator.h"
+#include "tests/accuracy/pushed_table.h"
 
 #include <cmath>
 #include <functional>
@@ -520,24 +521,10 @@ TEST(Sensitivities, OfLoadsThatEndWithAContradictionAreRefused) {
   expectRefusal(model, "v2", 0.3, "the end of a load that redundant contacts share");
 }
 
-// A table stands still while a force on one of its corners grows: from t = 0.7 on the least forces of its feet lie on the edges of friction
-// cones, where they are known to the accuracy of an iteration only. The motion is none. When it begins, the direction of the slips decides
-// on the loads and these on the slips.
-constexpr const char *kPushedTable = R"(model PushedTable
-  parameter Real mu = 0.4, F = 30;
-  parameter Real feet[4, 3] = {{-0.6, -0.4, -0.7}, {-0.6, 0.4, -0.7}, {0.6, -0.4, -0.7}, {0.6, 0.4, -0.7}};
-  coordinate Real p[3](start = {0, 0, 0.7});
-  coordinate Rotation Q;
-  body table(mass = 10, position = p, orientation = Q, inertia = diagonal({0.53, 1.2, 1.7}));
-  gravity weight(acceleration = {0, 0, -9.81});
-  Real foot[4, 3] = {p + Q*feet[i, :] for i in 1:4};
-  contact leg[4](gap = foot[:, 3], slip = der(foot[:, 1:2]), each friction = mu);
-  force push(value = {F*time, 0, 0}, at = p + Q*{-0.6, 0.4, 0});
-end PushedTable;
-)";
-
+// From t = 0.7 on the least forces of its feet lie on the edges of friction cones, where they are known to the accuracy of an iteration
+// only. The motion is none. When it begins, the direction of the slips decides on the loads and these on the slips.
 TEST(Sensitivities, OfATableThatStandsStillAreZero) {
-  CompiledModel model(fileOf(kPushedTable));
+  CompiledModel model(sourceFile("pushed_table.tf", pushedTable("Exact")));
   differentiateBy(model, {"mu", "F"});
   model.tolerance(1e-8).run(1);
   for (const std::size_t column : {0U, 1U})
@@ -546,7 +533,7 @@ TEST(Sensitivities, OfATableThatStandsStillAreZero) {
 }
 
 TEST(Sensitivities, OfSlipsThatStartOnRedundantContactsAreRefused) {
-  CompiledModel model(fileOf(kPushedTable));
+  CompiledModel model(sourceFile("pushed_table.tf", pushedTable("Exact")));
   model.tolerance(1e-8);
   expectRefusal(model, "mu", 1.2, "slips that start where redundant contacts share their load");
 }

@@ -46,12 +46,15 @@ Transcript readTranscript(const std::filesystem::path &path) {
   std::string before;
   bool isAnswer = false;
   for (std::string line; std::getline(lines, line);) {
-    if (isAnswer) {
-      result.entries.back().answer += line + "\n";
-      isAnswer = !line.starts_with("[exit ");
-    } else if (line.starts_with("$ ")) {
+    if (line.starts_with("$ ")) {
+      // The answer of the one before may be still to be recorded.
+      if (isAnswer)
+        before = "\n";
       result.entries.push_back({std::exchange(before, {}), line.substr(2), {}});
       isAnswer = true;
+    } else if (isAnswer) {
+      result.entries.back().answer += line + "\n";
+      isAnswer = !line.starts_with("[exit ");
     } else {
       before += line + "\n";
     }

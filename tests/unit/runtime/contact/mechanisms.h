@@ -1,6 +1,5 @@
 // Planar mechanisms of the tests: mass matrix and contact Jacobians, and contact problems made of them.
-#ifndef TF_TESTS_RUNTIME_CONTACT_MECHANISMS_H
-#define TF_TESTS_RUNTIME_CONTACT_MECHANISMS_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/frozen_phase.h"
@@ -117,5 +116,3 @@ inline ContactProblem accelerationProblem(const Mechanism &mechanism, const Eige
 }
 
 }  // namespace tf::runtime::test
-
-#endif

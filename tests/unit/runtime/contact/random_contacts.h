@@ -1,6 +1,5 @@
 // Random contact problems of the tests and an independent check of their solutions.
-#ifndef TF_TESTS_RUNTIME_CONTACT_RANDOM_CONTACTS_H
-#define TF_TESTS_RUNTIME_CONTACT_RANDOM_CONTACTS_H
+#pragma once
 
 #include "runtime/contact/contact_problem.h"
 
@@ -64,5 +63,3 @@ inline double violationOf(const ContactProblem &problem, const std::vector<doubl
 }
 
 }  // namespace tf::runtime::test
-
-#endif

@@ -1,6 +1,5 @@
 // Rigid bodies in space with random contact points above a floor: contact rows of the tests.
-#ifndef TF_TESTS_RUNTIME_CONTACT_SPATIAL_BODIES_H
-#define TF_TESTS_RUNTIME_CONTACT_SPATIAL_BODIES_H
+#pragma once
 
 #include <Eigen/Dense>
 
@@ -44,5 +43,3 @@ inline SpatialBody spatialBody(std::mt19937 &generator, int contacts) {
 }
 
 }  // namespace tf::runtime::test
-
-#endif

@@ -1,0 +1,143 @@
+// Slips of two components: where they stop, and steps that end because their direction turns.
+#include "runtime/simulate/simulation_implementation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tf::runtime {
+
+// Slips that are slower may be taken for zero: far within the tolerance of velocities.
+double Simulation::Implementation::stopTolerance() {
+  const double tolerance = integrators_.current().settings().tolerance;
+  return std::max(0.05 * tolerance * velocityScale(), 10 * selection_.velocityTolerance(state_.data()));
+}
+
+// The largest velocity or scale of one, at least 1.
+double Simulation::Implementation::velocityScale() {
+  const IntegratorSettings &settings = integrators_.current().settings();
+  double scale = 1;
+  for (int i = 0; i < model_.nv; ++i)
+    scale = std::max({scale, settings.scale[model_.nq + i], std::abs(state_[model_.nq + i])});
+  return scale;
+}
+
+// The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
+// the tolerance? Else it turns by a right angle. Where it hardly turns any more its direction is held, since the right-hand side is
+// singular at zero; friction that has the direction of the step's begin leaves a rest of the size of the turn, which is bounded here too.
+bool Simulation::Implementation::locateStop(DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double allowed = stopTolerance();
+  std::vector<double> &state = interpolated_;
+  integrator.interpolate(event.time, state.data());
+  at_.setPoint(event.time, state.data());
+  at_.switching(ModelEvaluation::Slips);
+  const double speed = dynamics_.slipSpeed(event.guard);
+  const double most = 10 * allowed, slow = 1e3 * allowed;
+  if (speed > slow)
+    return false;
+  const DetectedEvent detected = event;
+  // Slips of one body end together: none of them has a direction there.
+  dynamics_.holdDirections(slow);
+  if (detection_.locate(event)) {
+    at_.setPoint(integrator.endTime(), integrator.end());
+    at_.switching(ModelEvaluation::Slips);
+    if (dynamics_.slipSpeed(event.guard) <= most)
+      return true;
+  }
+  dynamics_.holdDirections(0);
+  event = detected;
+  if (speed > most)
+    return false;
+  // A step that begins with a faster slip passes the place where its direction is singular, and is less exact there than elsewhere.
+  at_.setPoint(integrator.beginTime(), integrator.begin());
+  at_.switching(ModelEvaluation::Slips);
+  if (dynamics_.slipSpeed(event.guard) > slow)
+    return false;
+  // Other slips that have just begun may keep implicit equations from being solved: the interpolant is as good as the step.
+  std::copy(state.begin(), state.end(), integrator.end());
+  integrator.moveEnd(event.time);
+  return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
+}
+
+// The error of a velocity over a run may be this large.
+double Simulation::Implementation::lingeringSpeed() { return 10 * integrators_.current().settings().tolerance * velocityScale(); }
+
+// The guard of a slip of two components that for many steps has not been faster than the errors that the tolerance allows, −1: none. The
+// direction of one so slow is no more than an error, and steps of implicit methods have solutions in which it neither stops nor starts.
+int Simulation::Implementation::lingeringSlip() {
+  constexpr int most = 200;
+  if (!dynamics_.hasTurningSlips())
+    return -1;
+  const double slow = lingeringSpeed();
+  const std::vector<Guard> &guards = dynamics_.guards();
+  int found = -1;
+  for (std::size_t k = 0; k < guards.size() && found < 0; ++k)
+    if (guards[k].kind == GuardKind::SlipAlong && dynamics_.slipSpeed(static_cast<int>(k)) <= slow)
+      found = static_cast<int>(k);
+  lingeringSteps_ = found >= 0 ? lingeringSteps_ + 1 : 0;
+  return lingeringSteps_ > most ? found : -1;
+}
+
+// It becomes zero: what follows is a stick, or a slip that starts from zero.
+tf_status Simulation::Implementation::stopLingering(int guard, double limit) {
+  lingeringSteps_ = 0;
+  if (!progress_.add(time_))
+    return failWithoutProgress();
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  dynamics_.projectStop(state_.data(), integrators_.current().settings().scale.data(), guard, lingeringSpeed());
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  beginEvent();
+  if (const tf_status status = differentiateEvent(guard); status != TF_OK)
+    return status;
+  const Guard stopped = dynamics_.guards()[guard];
+  return changeMode(stopped, dynamics_.slipRow(guard), limit);
+}
+
+// The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.
+tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime();
+  double length = event.time - begin;
+  for (bool good = false; !good;) {
+    length *= 0.75;
+    if (begin + length <= begin)
+      return failEvaluation();
+    if (!integrator.shorten(begin + length))
+      continue;
+    at_.switching(ModelEvaluation::Slips);
+    good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard);
+  }
+  return endStep(0.5 * length);
+}
+
+// Slips of two components that have just begun, or are about to end, may keep the equations of a step to the event from being solved: those
+// of a shorter one can be, and the next step has other directions to start from.
+tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime();
+  double length = event.time - begin;
+  do {
+    length *= 0.5;
+    if (begin + length <= begin)
+      return failEvaluation();
+  } while (!integrator.shorten(begin + length));
+  return endStep(0.5 * length);
+}
+
+// The step that has been shortened ends without an event; `next` is a first guess of the length of the next one.
+tf_status Simulation::Implementation::endStep(double next) {
+  if (const tf_status status = projectEnd(); status != TF_OK)
+    return status;
+  if (const tf_status status = commit(); status != TF_OK)
+    return status;
+  suggestedStep_ = next;
+  dynamics_.renewDirections(time_, state_.data());
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  resumeMode();
+  return TF_OK;
+}
+
+}  // namespace tf::runtime
