@@ -73,9 +73,9 @@ double Simulation::Implementation::projectOnto(const Mode &mode, double time, do
 
 // Contacts touch within the accuracy of events only. Corners of one face then are not quite in one plane, and their slips, which one motion
 // should bring to zero together, differ by the tilt of that plane times the speed of approach: the gaps of all that approach or rest become
-// zero, by a change of position that is as small.
+// zero. The change of position is as small, or larger by what it takes to turn corners that are near one another into one plane.
 void Simulation::Implementation::closeTogether(const std::vector<int> &contacts) {
-  constexpr double farthest = 1e-9;
+  constexpr double farthest = 1e-7;
   if (std::none_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); }))
     return;
   Mode touching = mode_;
@@ -87,7 +87,8 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
   for (const int i : contacts)
     touching.closed[i] = at_.gapRate[i] <= still ? 1 : 0;
   std::vector<double> moved = state_;
-  projectOnto(touching, time_, moved.data());
+  if (!std::isfinite(projectOnto(touching, time_, moved.data())))
+    return;
   const double *scale = integrators_.current().settings().scale.data();
   for (int k = 0; k < model_.nq; ++k)
     if (!(std::abs(moved[k] - state_[k]) <= farthest * scale[k]))
