@@ -38,10 +38,11 @@ void ConeFrictionSolver::scale() {
   }
   delassus_.resize(count, count);
   bias_.resize(count);
-  magnitude_ = 0;
+  magnitude_ = solution_.scale = 0;
   for (int r = 0; r < count; ++r) {
     bias_[r] = problem_.bias[r] / metric_[r];
     magnitude_ = std::max(magnitude_, std::abs(bias_[r]));
+    solution_.scale = std::max(solution_.scale, problem_.weight(r) * std::abs(bias_[r]));
     for (int c = 0; c < count; ++c)
       delassus_(r, c) = problem_.delassus(r, c) / (metric_[r] * metric_[c]);
   }
@@ -49,7 +50,7 @@ void ConeFrictionSolver::scale() {
   for (int i = 0; i < n; ++i) {
     upper_[i] = problem_.upper[i] * metric_[i];
     if (std::isfinite(upper_[i]))
-      magnitude_ = std::max(magnitude_, std::abs(upper_[i]));
+      solution_.scale = std::max(solution_.scale, std::abs(upper_[i]));
   }
   friction_.resize(m);
   offset_.resize(m);
@@ -57,10 +58,11 @@ void ConeFrictionSolver::scale() {
     const int i = problem_.owner[j];
     friction_[j] = i >= 0 ? problem_.friction[j] * metric_[n + j] / metric_[i] : 0.0;
     offset_[j] = problem_.offset[j] * metric_[n + j];
-    magnitude_ = std::max(magnitude_, std::abs(offset_[j]));
+    solution_.scale = std::max(solution_.scale, std::abs(offset_[j]));
   }
+  magnitude_ = std::max(magnitude_, solution_.scale);
   if (!(magnitude_ > 0))
-    magnitude_ = 1;
+    magnitude_ = solution_.scale = 1;
   residual_.resize(count);
   jacobian_.resize(count, count);
   pressing_.resize(n);
@@ -425,7 +427,7 @@ const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, doubl
   const Eigen::VectorXd acceleration = delassus_ * best_ + bias_;
   solution_.solved = solved;
   solution_.violation = bestViolation_;
-  solution_.scale = magnitude_;
+  solution_.scale = std::max(solution_.scale, finestScale(bestViolation_, magnitude_));
   solution_.force.resize(count);
   solution_.acceleration.resize(count);
   for (int r = 0; r < count; ++r) {

@@ -23,8 +23,7 @@ struct ConeFrictionProblem : PlanarFrictionProblem {
 struct ConeFrictionSolution {
   bool solved = false;
   std::vector<double> force, acceleration;
-  double violation = 0;  // relative to `scale`
-  double scale = 0;      // of forces and accelerations in the metric of D, see PlanarFrictionSolution
+  double violation = 0, scale = 0;  // see PlanarFrictionSolution
 };
 
 class ConeFrictionSolver {
@@ -36,7 +35,7 @@ public:
   const ConeFrictionSolution &solve(const double *guess, double tolerance);
   // √D_rr, or 1 where it is zero; the same for both rows of a pair.
   [[nodiscard]] const std::vector<double> &metric() const { return metric_; }
-  // Violation of the last problem's conditions by other forces and accelerations, relative to the scale.
+  // Violation of the last problem's conditions by other forces and accelerations, relative to the size of the data.
   double certificate(const std::vector<double> &force, const std::vector<double> &acceleration);
   [[nodiscard]] int iterations() const { return iterations_; }
 

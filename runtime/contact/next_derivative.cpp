@@ -14,9 +14,12 @@ double metricOf(const ContactProblem &problem, int row) {
 
 // The size of the problem's data in the metric of D.
 double magnitudeOf(const ContactProblem &problem) {
+  const auto weight = [&](int r) {
+    return r >= problem.normalCount && problem.slipSign[r - problem.normalCount] != 0 ? PlanarFrictionProblem::freeWeight : 1;
+  };
   double magnitude = 0;
   for (int r = 0; r < problem.count(); ++r)
-    magnitude = std::max(magnitude, std::abs(problem.bias[r]) / metricOf(problem, r));
+    magnitude = std::max(magnitude, weight(r) * std::abs(problem.bias[r]) / metricOf(problem, r));
   for (int j = 0; j < problem.tangentCount; ++j)
     if (problem.owner[j] < 0)
       magnitude = std::max(magnitude, problem.bound[j] * metricOf(problem, problem.normalCount + j));

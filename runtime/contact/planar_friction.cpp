@@ -45,12 +45,13 @@ void PlanarFrictionSolver::scale() {
   scaled_.bias.resize(count);
   scaled_.delassus.resize(count, count);
   metric_.resize(count);
-  magnitude_ = 0;
+  magnitude_ = solution_.scale = 0;
   for (int r = 0; r < count; ++r) {
     const double diagonal = problem_.delassus(r, r);
     metric_[r] = diagonal > 0 ? std::sqrt(diagonal) : 1.0;
     scaled_.bias[r] = problem_.bias[r] / metric_[r];
     magnitude_ = std::max(magnitude_, std::abs(scaled_.bias[r]));
+    solution_.scale = std::max(solution_.scale, problem_.weight(r) * std::abs(scaled_.bias[r]));
   }
   for (int c = 0; c < count; ++c)
     for (int r = 0; r < count; ++r)
@@ -58,16 +59,17 @@ void PlanarFrictionSolver::scale() {
   for (int i = 0; i < n; ++i) {
     scaled_.upper[i] = problem_.upper[i] * metric_[i];
     if (scaled_.upper[i] < infinity)
-      magnitude_ = std::max(magnitude_, std::abs(scaled_.upper[i]));
+      solution_.scale = std::max(solution_.scale, std::abs(scaled_.upper[i]));
   }
   for (int j = 0; j < m; ++j) {
     const int i = problem_.owner[j];
     scaled_.friction[j] = i >= 0 ? problem_.friction[j] * metric_[n + j] / metric_[i] : 0.0;
     scaled_.offset[j] = problem_.offset[j] * metric_[n + j];
-    magnitude_ = std::max(magnitude_, std::abs(scaled_.offset[j]));
+    solution_.scale = std::max(solution_.scale, std::abs(scaled_.offset[j]));
   }
+  magnitude_ = std::max(magnitude_, solution_.scale);
   if (!(magnitude_ > 0))
-    magnitude_ = 1;
+    magnitude_ = solution_.scale = 1;
   rows_ = {n, m, &scaled_.delassus, scaled_.bias.data(), scaled_.owner.data(), scaled_.friction.data(), scaled_.offset.data()};
 }
 
@@ -229,7 +231,7 @@ void PlanarFrictionSolver::publish(PlanarFrictionSolution::Status status) {
   solution_.status = status;
   solution_.mode = best_.mode;
   solution_.violation = best_.violation;
-  solution_.scale = magnitude_;
+  solution_.scale = std::max(solution_.scale, finestScale(best_.violation, magnitude_));
   solution_.force.resize(count);
   solution_.acceleration.resize(count);
   for (int r = 0; r < count; ++r) {

@@ -32,6 +32,15 @@ struct PlanarFrictionProblem {
 
   // Unilateral rows without upper bound, tangential rows None; D and φ are zero.
   void resize(int normals, int tangents);
+  // Of φ_r in the scale that tells what is small. Where w_r may have any size, as that of a body which falls along a wall, nothing depends
+  // on it but what rounding makes of it elsewhere.
+  [[nodiscard]] double weight(int row) const {
+    const bool isFree = row < normalCount
+                            ? normalKind[row] == NormalKind::Prescribed
+                            : tangentKind[row - normalCount] == TangentKind::None || tangentKind[row - normalCount] == TangentKind::Slip;
+    return isFree ? freeWeight : 1;
+  }
+  static constexpr double freeWeight = 1e-5;
 };
 
 enum class NormalState : std::uint8_t { Off, Active, Upper };  // λ = 0 (or prescribed), w = 0, λ = upper
@@ -47,10 +56,13 @@ struct PlanarFrictionSolution {
   Status status = Status::None;
   PlanarFrictionMode mode;
   std::vector<double> force, acceleration;
-  double violation = 0;  // relative to `scale`
-  // Of forces and accelerations in the metric of D: λ_r √D_rr and w_r / √D_rr are small compared with it, or not.
+  double violation = 0;  // relative to the size of the data in the metric of D: φ_r / √D_rr, upper_r √D_rr
+  // Of forces and accelerations that matter, in the metric of D: λ_r √D_rr and w_r / √D_rr are small compared with it, or not.
   double scale = 0;
 };
+
+// No scale is finer than a solution with this violation of data of this size is exact.
+[[nodiscard]] inline double finestScale(double violation, double size) { return 1e10 * violation * size; }
 
 class PlanarFrictionSolver {
 public:
@@ -66,7 +78,7 @@ public:
   [[nodiscard]] const PlanarFrictionSolution &solution() const { return solution_; }
   // √D_rr, or 1 where it is zero: forces times it and accelerations over it are comparable between rows.
   [[nodiscard]] const std::vector<double> &metric() const { return metric_; }
-  // Violation of the last problem's conditions by other forces and accelerations, relative to the scale.
+  // Violation of the last problem's conditions by other forces and accelerations, relative to the size of the data.
   double certificate(const std::vector<double> &force, const std::vector<double> &acceleration);
   [[nodiscard]] int pivots() const { return pivots_; }
   // How the last solution was found: the previous mode holds, all modes were tried, by an active set, by pivoting.

@@ -10,6 +10,11 @@
 
 namespace tf::runtime {
 
+// Contact forces that are known to be exact where the accelerations of rows that they hold are so by rounding only [nc], [nt].
+struct SettledForces {
+  std::vector<double> normal, tangent;
+};
+
 struct ContactSystem {
   RowSystem rows;
   ContactProblem problem;
@@ -32,6 +37,8 @@ struct ContactSystem {
     at.mobility.accelerate(at.force.data(), at.constraintBias.data(), freeAcceleration);
     rows.bias(at, freeAcceleration, problem.bias);
   }
+  // φ of the rows that do not slip becomes that with which these forces hold them exactly, in the problem nearby where they do.
+  void settle(const SettledForces &settled, const ContactMode &mode);
 };
 
 // The contact problem at the point of the evaluation, all of it, and what has been found of its forces (see ModeForces::start): a mode of
@@ -40,6 +47,7 @@ struct SolvedContacts {
   const ContactSystem &system;
   const std::vector<double> &freeAcceleration;
   std::unique_ptr<ForceSet> &forces;
+  const SettledForces *settled = nullptr;  // for modes of other rows, too
 };
 
 }  // namespace tf::runtime

@@ -103,8 +103,10 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     return evaluate(time, state, rate);
   }
   const bool isSolved = choose(mode, time, state, solved);
+  settled_ = solved != nullptr ? solved->settled : nullptr;
   isComplete_ = true;
   isBegun_ = isSolved ? evaluateSolved(time, state, *solved, rate) : evaluate(time, state, rate);
+  settled_ = nullptr;
   if (!isBegun_)
     return false;
   isFolded_ = model.nv <= RowSystem::narrow && sliding_.empty() && (rows_.count() == 0 || !forces_.redundant());
@@ -226,6 +228,8 @@ bool ModeDynamics::solveForces() {
 bool ModeDynamics::solveRows(double *freeAcceleration) {
   completeRows();
   system_.setBias(at_, freeAcceleration);
+  if (settled_ != nullptr)
+    system_.settle(*settled_, contactMode_);
   isComplete_ = true;
   return isBegun_ ? forces_.evaluate(problem_) : forces_.start(problem_, contactMode_);
 }
@@ -350,6 +354,8 @@ bool ModeDynamics::evaluateSolved(double time, const double *state, const Solved
   at_.setPoint(time, state);
   isGathered_ = hasRows_ = true;
   watchFriction();
+  if (settled_ != nullptr)
+    system_.settle(*settled_, contactMode_);
   if (!forces_.start(problem_, contactMode_, &solved.forces))
     return fail(EvaluationFailure::SingularContact);
   at_.acceleration = solved.freeAcceleration;

@@ -291,7 +291,8 @@ private:
   long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none
   EvaluationFailure failure_ = EvaluationFailure::None;
   long long evaluations_ = 0;
-  bool isBegun_ = false;  // by `start`: forces_ go on from one evaluation to the next
+  const SettledForces *settled_ = nullptr;  // while a mode begins, of its contact problem there
+  bool isBegun_ = false;                    // by `start`: forces_ go on from one evaluation to the next
   // workspaces
   std::vector<int> contacts_, tangents_;
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;

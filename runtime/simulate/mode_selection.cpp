@@ -234,7 +234,7 @@ const double *ModeSelection::readForces() {
 
 // The contact mode for the current step variables.
 ModeSelection::Trial ModeSelection::solveContacts(double time, const double *state) {
-  redundant_ = indeterminate_ = false;
+  redundant_ = indeterminate_ = isSettled_ = false;
   forced_ = -1;
   if (rows_.count() == 0) {
     writeMode(previousContacts_);
@@ -271,7 +271,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   undecided_ = solution;
   if (forceless >= 0)
     undecided_.degenerate.push_back(forceless);
-  settleBias(solution);
+  settleForces(solution);
   if (!startMode(time, state))
     return Trial::Consistent;
   rates_.resize(problem_.normalCount, problem_.tangentCount);
@@ -283,24 +283,21 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
 // Where contacts bear nothing, to the accuracy of the solution, what is left of their forces may pull, and so may what is left of the
 // accelerations of rows that the solution holds. The problem becomes the one nearby that the solution is exact for with forces that are
 // zero.
-void ModeSelection::settleBias(const ContactSolution &solution) {
-  const int normals = problem_.normalCount;
+void ModeSelection::settleForces(const ContactSolution &solution) {
+  isSettled_ = true;
+  settled_.normal.assign(at_.normalForce.size(), 0.0);
+  settled_.tangent.assign(at_.tangentForce.size(), 0.0);
   settledForces_ = solution.forces;
   for (const int row : solution.degenerate)
-    if (row < normals)
+    if (row < problem_.normalCount)
       settledForces_[row] = 0;
-  const auto bearsNothing = [&](int j) { return problem_.owner[j] >= 0 && settledForces_[problem_.owner[j]] == 0; };
+  for (int i = 0; i < problem_.normalCount; ++i)
+    settled_.normal[rows_.contacts()[i]] = settledForces_[i];
+  double *tangents = settledForces_.data() + problem_.normalCount;
   for (int j = 0; j < problem_.tangentCount; ++j)
-    if (bearsNothing(j))
-      settledForces_[normals + j] = 0;
-  for (int row = 0; row < problem_.count(); ++row) {
-    const int j = row - normals, owner = j < 0 ? row : problem_.owner[j];
-    if ((owner >= 0 && !solution.mode.closed[owner]) || (j >= 0 && solution.mode.slip[j] != 0))
-      continue;
-    problem_.bias[row] = 0;
-    for (int c = 0; c < problem_.count(); ++c)
-      problem_.bias[row] -= problem_.delassus(row, c) * settledForces_[c];
-  }
+    if (problem_.owner[j] >= 0 && settledForces_[problem_.owner[j]] == 0)
+      tangents[j] = 0;
+  rows_.spreadTangentForces(tangents, settled_.tangent.data());
 }
 
 // The row of the contact whose force an event says is zero, where the solution keeps it closed and does not know; −1: none.
@@ -314,7 +311,7 @@ int ModeSelection::forcelessRow(const ContactSolution &solution) const {
 
 // After solveContacts, at the same point.
 bool ModeSelection::startMode(double time, const double *state) {
-  const SolvedContacts solved = {system_, freeAcceleration_, solver_.forceSet()};
+  const SolvedContacts solved = {system_, freeAcceleration_, solver_.forceSet(), isSettled_ ? &settled_ : nullptr};
   return dynamics_.start(mode_, time, state, rate_.data(), rows_.count() > 0 ? &solved : nullptr);
 }
 

@@ -79,7 +79,7 @@ private:
 
   void listTouching(const double *state);
   Trial tryAssignments(double time, const double *state);
-  void settleBias(const ContactSolution &solution);
+  void settleForces(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
   [[nodiscard]] Switch sideOf(int j, EventHint hint) const;
   [[nodiscard]] std::string jump(const double *state);
@@ -116,6 +116,8 @@ private:
   std::vector<TangentRole> roles_;                                      // nt
   std::vector<std::uint8_t> candidates_, mask_, surfaceMask_, ofTime_;  // nc; nc + nf; ns; ns
   std::vector<double> rate_, freeAcceleration_, guess_, settledForces_;
+  SettledForces settled_;
+  bool isSettled_ = false;  // forces of the contact problem solved last
   int forced_ = -1;
   int forceless_ = -1;                              // see EventHint
   bool redundant_ = false, indeterminate_ = false;  // of the contact problem solved last
