@@ -59,7 +59,7 @@ Grid gridOf(const RunOptions &options, const tf_model &model, Session &session) 
     session.diagnostics.report(diag::TooManyRows, {}, number(grid.interval), number(grid.span.start), number(grid.span.stop), intervals,
                                kMostRows);
   else
-    grid.count = static_cast<long long>(std::max(intervals, 0.0));
+    grid.count = static_cast<long long>(std::max(intervals, length > 0 ? 1.0 : 0.0));
   return grid;
 }
 

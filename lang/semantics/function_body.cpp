@@ -70,9 +70,15 @@ ExprPtr FunctionBody::type(const ast::Expr &expr, const Locals *iterators) {
   return Typer(context_, Scope{scope_, iterators, true}).type(expr);
 }
 
+// Parameters that only this condition is on stay parameters.
 std::optional<bool> FunctionBody::known(const flat::Expr &condition) {
-  if (condition.variability > Variability::Constant)
-    return std::nullopt;
+  const auto value =
+      condition.variability <= Variability::Constant ? constantValue(context_, condition) : settledValue(context_, condition);
+  return value ? std::optional((*value)[0] != 0) : std::nullopt;
+}
+
+// As sizes do, the condition of a loop makes the parameters that it is on structural.
+std::optional<bool> FunctionBody::settled(const flat::Expr &condition) {
   const auto value = constantValue(context_, condition);
   return value ? std::optional((*value)[0] != 0) : std::nullopt;
 }
@@ -202,7 +208,7 @@ FunctionBody::Flow FunctionBody::runWhile(const ast::Statement &statement, const
     const ExprPtr condition = type(*statement.condition, iterators);
     if (condition == nullptr)
       return Flow::Error;
-    const auto value = known(*condition);
+    const auto value = settled(*condition);
     if (!value)
       return fail(statement.condition->span, "the condition of 'while' must be known when the model is compiled,");
     if (!*value)

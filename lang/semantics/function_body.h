@@ -40,6 +40,7 @@ private:
   ExprPtr type(const ast::Expr &expr, const Locals *iterators);
   // The value of a condition; nothing if it depends on anything but constants.
   std::optional<bool> known(const flat::Expr &condition);
+  std::optional<bool> settled(const flat::Expr &condition);
   bool isOverLimit(Span span);
 
   Context &context_;

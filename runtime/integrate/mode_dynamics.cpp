@@ -252,6 +252,23 @@ void ModeDynamics::complete() {
     solveRows(change_.data());
 }
 
+void ModeDynamics::accelerationTerms(double *terms) {
+  complete();
+  const int nv = at_.model().nv;
+  at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), change_.data());
+  for (int i = 0; i < nv; ++i)
+    terms[i] = std::abs(change_[i]);
+  std::vector<double> single(static_cast<std::size_t>(rows_.count()));
+  for (int row = 0; row < rows_.count(); ++row) {
+    single[row] = rowForces()[row];
+    std::fill_n(change_.begin(), nv, 0.0);
+    rows_.accelerate(single.data(), change_.data());
+    for (int i = 0; i < nv; ++i)
+      terms[i] += std::abs(change_[i]);
+    single[row] = 0;
+  }
+}
+
 void ModeDynamics::conditionRates(double *rates) {
   const tf_model &model = at_.model();
   const int nx = at_.columns();

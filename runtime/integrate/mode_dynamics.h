@@ -107,6 +107,9 @@ public:
   // At the state of the last evaluation nothing moves, and neither does anything for states, parameters and inputs nearby that the mode
   // holds at rest: whatever the forces, its rows leave no acceleration.
   bool restsByItsRows(const double *state);
+  // What the accelerations are sums of at the point of the last evaluation: the sizes of that without contact forces and of
+  // that by each of them [nv].
+  void accelerationTerms(double *terms);
   // Uniform motion, or rest, has led to (time, state): the last evaluation is that of this point as well.
   void keepEvaluation(double time, const double *state);
 

@@ -226,10 +226,13 @@ void Sensitivities::sampleBorder(SmoothIntegrator &integrator, double time, Bord
 }
 
 // Of the rate's differences at the last node, over a piece, for differences by one: 1e-16 of the terms that the rate is the sum of.
-Eigen::VectorXd Sensitivities::rounding(double length) const {
+Eigen::VectorXd Sensitivities::rounding(double length) {
+  const tf_model &model = dynamics_.model().model();
   const Eigen::MatrixXd &slope = slopes_.back();
   const Eigen::Map<const Eigen::VectorXd> state(state_.data(), n_), rate(rate_.data(), n_);
-  const Eigen::VectorXd terms = slope.cwiseAbs() * state.cwiseAbs() + rate.cwiseAbs();
+  Eigen::VectorXd terms = rate.cwiseAbs();
+  dynamics_.accelerationTerms(terms.data() + model.nq);
+  terms += slope.cwiseAbs() * state.cwiseAbs();
   return std::numeric_limits<double>::epsilon() * terms.cwiseQuotient((1 / length + slope.diagonal().cwiseAbs().array()).matrix());
 }
 

@@ -93,7 +93,7 @@ private:
   [[nodiscard]] double pieceError() const;
   [[nodiscard]] double jumpError(double length);
   [[nodiscard]] static double nextPiece(double length, double error, double jump);
-  [[nodiscard]] Eigen::VectorXd rounding(double length) const;
+  [[nodiscard]] Eigen::VectorXd rounding(double length);
   [[nodiscard]] auto image(const Map &map) const;
   bool mapColumns(const Map &map, double time, const double *state);
   bool mapBothSides(const Map &map, double time, const double *state);

@@ -521,6 +521,32 @@ TEST(Sensitivities, OfLoadsThatEndWithAContradictionAreRefused) {
   expectRefusal(model, "v2", 0.3, "the end of a load that redundant contacts share");
 }
 
+// A block on a plane that tilts slides from where tan(rate t) = μ on. Its accelerations are nearly zero there, those by gravity and by
+// friction are not, and neither are their rounding errors. Its mass does not matter.
+TEST(Sensitivities, OfASlipThatBeginsAtRest) {
+  CompiledModel model(sourceFile("tilting_plane.tf", R"(
+model TiltingPlane
+  parameter Real m = 1, mu = 0.35, g = 9.81, rate = 0.3;
+  coordinate Real p[2];
+  body block(mass = m, position = p);
+  gravity weight(acceleration = g*{sin(rate*time), -cos(rate*time)});
+  contact plane(gap = p[2], slip = der(p[1]), friction = mu);
+end TiltingPlane;
+)"));
+  constexpr double mu = 0.35, rate = 0.3, end = 1.6;
+  const double angle = std::atan(mu);
+  const double byGravity = (std::cos(angle) - std::cos(rate * end) - mu * (std::sin(rate * end) - std::sin(angle))) / rate;
+  const double byFriction = -9.81 * (std::sin(rate * end) - std::sin(angle)) / rate;
+  for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
+    SCOPED_TRACE(tolerance);
+    differentiateBy(model, {"m", "g", "mu"});
+    model.tolerance(tolerance).run(end);
+    EXPECT_NEAR(sensitivity(model, "der(p[1])", 0), 0, 1e-10);
+    EXPECT_NEAR(sensitivity(model, "der(p[1])", 1), byGravity, 10 * tolerance);
+    EXPECT_NEAR(sensitivity(model, "der(p[1])", 2), byFriction, 10 * tolerance);
+  }
+}
+
 // From t = 0.7 on the least forces of its feet lie on the edges of friction cones, where they are known to the accuracy of an iteration
 // only. The motion is none. When it begins, the direction of the slips decides on the loads and these on the slips.
 TEST(Sensitivities, OfATableThatStandsStillAreZero) {

@@ -40,6 +40,13 @@ TEST_F(RunCommand, HasRowsOnTheGridUpToTheStopTime) {
   EXPECT_EQ(rows.names()[1], "tau");
 }
 
+TEST_F(RunCommand, EndsAtTheStopTimeHoweverLongTheIntervalIs) {
+  ASSERT_EQ(run({"--stop-time", "0.35", "--interval", "1e12", "-o", "out.csv"}).exitCode, 0);
+  const ResultTable rows = table();
+  ASSERT_EQ(rows.rowCount(), 2U);
+  EXPECT_EQ(rows.value(1, "time"), 0.35);
+}
+
 TEST_F(RunCommand, HasFiveHundredIntervalsByDefault) {
   ASSERT_EQ(run({"--stop-time", "0.4", "-o", "out.csv"}).exitCode, 0);
   EXPECT_EQ(table().rowCount(), 501U);
