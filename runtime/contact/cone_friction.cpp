@@ -427,7 +427,7 @@ const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, doubl
   const Eigen::VectorXd acceleration = delassus_ * best_ + bias_;
   solution_.solved = solved;
   solution_.violation = bestViolation_;
-  solution_.scale = std::max(solution_.scale, finestScale(bestViolation_, magnitude_));
+  solution_.scale = std::max({solution_.scale, finestScale(bestViolation_, magnitude_), best_.lpNorm<Eigen::Infinity>()});
   solution_.force.resize(count);
   solution_.acceleration.resize(count);
   for (int r = 0; r < count; ++r) {

@@ -69,6 +69,7 @@ struct ContactSolver::Workspace {
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
   bool settleForces(const ContactProblem &problem);
   bool openPulling(const ContactProblem &problem);
+  bool startSlow(const ContactProblem &problem);
   void listDegenerate(const ContactProblem &problem, const ContactMode *preferred);
   void markDegenerate(const ContactProblem &problem, const ContactMode *preferred, const ForceLimit &limit);
   void count(const PlanarFrictionSolution &found);
@@ -230,6 +231,24 @@ bool ContactSolver::Workspace::openPulling(const ContactProblem &problem) {
   return opened;
 }
 
+// As well: friction at its limit whose slip begins so slowly that it counts as a stick may hold none. These slips begin. False: there are
+// none.
+bool ContactSolver::Workspace::startSlow(const ContactProblem &problem) {
+  constexpr double visible = 1e-3;  // of what counts as zero
+  bool started = false;
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    const int row = problem.normalCount + j;
+    const double acceleration = solution.accelerations[row] / metric[row], force = solution.forces[row];
+    const bool sticks = problem.slipSign[j] == 0 && problem.partner[j] < 0 && solution.mode.slip[j] == 0 && !withoutFriction(problem, j);
+    const bool isAtLimit = (problem.limit(j, solution.forces.data()) - std::abs(force)) * metric[row] <= zero;
+    if (!sticks || !isAtLimit || std::abs(acceleration) <= visible * zero || acceleration * force >= 0)
+      continue;
+    solution.mode.slip[j] = acceleration > 0 ? 1 : -1;
+    started = true;
+  }
+  return started;
+}
+
 void ContactSolver::Workspace::markDegenerate(const ContactProblem &problem, const ContactMode *preferred, const ForceLimit &limit) {
   const int n = problem.normalCount, row = limit.row;
   if (std::find(solution.degenerate.begin(), solution.degenerate.end(), row) != solution.degenerate.end())
@@ -294,7 +313,7 @@ void ContactSolver::Workspace::begin(const std::vector<double> &force, const std
 void ContactSolver::Workspace::finish(const ContactProblem &problem, const ContactMode *preferred) {
   bool mayChange = true;
   while (mayChange && !settleForces(problem))
-    mayChange = openPulling(problem);
+    mayChange = openPulling(problem) || startSlow(problem);
   if (settings.listsDegenerate)
     listDegenerate(problem, preferred);
 }

@@ -12,14 +12,13 @@ double metricOf(const ContactProblem &problem, int row) {
   return diagonal > 0 ? std::sqrt(diagonal) : 1.0;
 }
 
-// The size of the problem's data in the metric of D.
-double magnitudeOf(const ContactProblem &problem) {
-  const auto weight = [&](int r) {
-    return r >= problem.normalCount && problem.slipSign[r - problem.normalCount] != 0 ? PlanarFrictionProblem::freeWeight : 1;
-  };
+// The size of the forces that hold, and of what they have to, in the metric of D.
+double magnitudeOf(const ContactProblem &problem, const ContactSolution &solution) {
   double magnitude = 0;
-  for (int r = 0; r < problem.count(); ++r)
-    magnitude = std::max(magnitude, weight(r) * std::abs(problem.bias[r]) / metricOf(problem, r));
+  for (int r = 0; r < problem.count(); ++r) {
+    const double metric = metricOf(problem, r), weight = r < problem.normalCount ? 1 : PlanarFrictionProblem::freeWeight;
+    magnitude = std::max({magnitude, weight * std::abs(problem.bias[r]) / metric, std::abs(solution.forces[r]) * metric});
+  }
   for (int j = 0; j < problem.tangentCount; ++j)
     if (problem.owner[j] < 0)
       magnitude = std::max(magnitude, problem.bound[j] * metricOf(problem, problem.normalCount + j));
@@ -44,7 +43,7 @@ void NextDerivative::pose(const ContactProblem &problem, const ContactRates &rat
     if (!solution.mode.closed[i])
       p.upper[i] = 0;
   }
-  const double magnitude = magnitudeOf(problem);
+  const double magnitude = magnitudeOf(problem, solution);
   for (int j = 0; j < m; ++j)
     poseTangent(problem, rates, solution, degeneracy * magnitude / metricOf(problem, n + j), j);
   dropDependent();

@@ -235,6 +235,7 @@ void PlanarFrictionSolver::publish(PlanarFrictionSolution::Status status) {
   solution_.force.resize(count);
   solution_.acceleration.resize(count);
   for (int r = 0; r < count; ++r) {
+    solution_.scale = std::max(solution_.scale, std::abs(best_.force[r]));
     solution_.force[r] = best_.force[r] / metric_[r];
     solution_.acceleration[r] = best_.acceleration[r] * metric_[r];
   }

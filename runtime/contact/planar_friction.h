@@ -33,12 +33,11 @@ struct PlanarFrictionProblem {
   // Unilateral rows without upper bound, tangential rows None; D and φ are zero.
   void resize(int normals, int tangents);
   // Of φ_r in the scale that tells what is small. Where w_r may have any size, as that of a body which falls along a wall, nothing depends
-  // on it but what rounding makes of it elsewhere.
+  // on it but what rounding makes of it elsewhere; friction that does is no larger than its normal force.
   [[nodiscard]] double weight(int row) const {
-    const bool isFree = row < normalCount
-                            ? normalKind[row] == NormalKind::Prescribed
-                            : tangentKind[row - normalCount] == TangentKind::None || tangentKind[row - normalCount] == TangentKind::Slip;
-    return isFree ? freeWeight : 1;
+    const bool isBound =
+        row < normalCount ? normalKind[row] != NormalKind::Prescribed : tangentKind[row - normalCount] == TangentKind::Bilateral;
+    return isBound ? 1 : freeWeight;
   }
   static constexpr double freeWeight = 1e-5;
 };

@@ -155,6 +155,34 @@ TEST(Piles, TenDiscsComeToRest) {
   expectRest(model, 10, 10, 1e-6, 1e-7);
 }
 
+// A disc that slides up between another one and a wall pushes that one by v²/(2R), so slowly that the slip which begins seems to be a
+// stick: as such it has no forces.
+TEST(Piles, ADiscThatSlidesBetweenAWallAndAnArchPassesOn) {
+  CompiledModel model(sourceFile("wedge.tf", R"(
+model Wedge
+  parameter Real R = 0.05, m = 0.1, mu = 0.3, e = 0.4;
+  coordinate Real p[4, 2](start = {{-0.11, 0.05}, {0.11, 0.050001}, {0.01, 0.05}, {-0.05, 0.13}}, der(start = {{0, 0}, {0, 1e-3}, {0, 0}, {0, 0}}));
+  coordinate Real phi[4];
+  constant Integer one[3] = {3, 1, 4}, two[3] = {2, 4, 3};
+  Real d[3, 2] = {p[two[k], :] - p[one[k], :] for k in 1:3};
+  Real l[3] = {sqrt(d[k, :]*d[k, :]) for k in 1:3};
+  body disc[4](each mass = m, position = p, angle = phi, each inertia = m*R^2/2);
+  gravity weight(acceleration = {0, -9.81});
+  contact floor[4](gap = {p[i, 2] - R for i in 1:4}, slip = {der(p[i, 1]) + R*der(phi[i]) for i in 1:4}, each friction = mu, each restitution = e);
+  contact left(gap = p[1, 1] + 0.16 - R, slip = der(p[1, 2]) - R*der(phi[1]), friction = mu, restitution = e);
+  contact right(gap = 0.16 - R - p[2, 1], slip = der(p[2, 2]) + R*der(phi[2]), friction = mu, restitution = e);
+  contact pair[3](gap = l - 2*R*ones(3), each friction = mu, each restitution = e,
+    slip = {(d[k, 1]*der(d[k, 2]) - d[k, 2]*der(d[k, 1]))/l[k] - R*(der(phi[one[k]]) + der(phi[two[k]])) for k in 1:3});
+end Wedge;
+)"));
+  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  model.tolerance(1e-6).run(0.1);
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_GE(statistics.worst_gap, -1e-9);
+  EXPECT_LT(statistics.worst_energy_error, 1e-7);
+  EXPECT_LT(fastest(model), 1e-9);
+}
+
 // Cascades of impacts within cascades end where the tolerance sees them no longer: the number of impacts stays moderate.
 TEST(Piles, FifteenDiscsComeToRestAfterAModerateNumberOfImpacts) {
   CompiledModel model(sourceFile("fifteen_discs.tf", pileOfDiscs(15)));
