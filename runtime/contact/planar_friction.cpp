@@ -241,16 +241,34 @@ void PlanarFrictionSolver::publish(PlanarFrictionSolution::Status status) {
   }
 }
 
+// Forces that are exact for what has to be held, if there are such; else those that are so for all data, of which what falls freely may be
+// the largest by far.
 const PlanarFrictionSolution &PlanarFrictionSolver::solve(const PlanarFrictionMode *previous, double tolerance, Wanted wanted) {
   using Status = PlanarFrictionSolution::Status;
   scale();
   tolerance_ = tolerance;
   pivots_ = 0;
+  const double size = magnitude_, heldSize = solution_.scale;
+  if (heldSize < size) {
+    magnitude_ = heldSize;
+    if (const Status status = search(previous, wanted); status == Status::Solved || status == Status::Several) {
+      publish(status);
+      return solution_;
+    }
+    magnitude_ = size;
+  }
+  publish(search(previous, wanted));
+  return solution_;
+}
+
+PlanarFrictionSolution::Status PlanarFrictionSolver::search(const PlanarFrictionMode *previous, Wanted wanted) {
+  using Status = PlanarFrictionSolution::Status;
   const int count = scaled_.normalCount + scaled_.tangentCount;
   best_.force.assign(count, 0.0);
   best_.acceleration.assign(count, 0.0);
   best_.mode.normal.assign(scaled_.normalCount, NormalState::Off);
   best_.mode.slip.assign(scaled_.tangentCount, 0);
+  best_.violation = 0;
   completeMode(best_.mode);
 
   const bool few = modeCount() <= enumerationLimit;
@@ -261,30 +279,22 @@ const PlanarFrictionSolution &PlanarFrictionSolver::solve(const PlanarFrictionMo
     completeMode(trial_.mode);
     if (evaluate(trial_) && trial_.violation <= tolerance_ && (few || stable(trial_.mode))) {
       std::swap(best_, trial_);
-      publish(Status::Solved);
-      return solution_;
+      return Status::Solved;
     }
   }
   if (!few) {
     path_ = Path::ActiveSet;
-    if (activeSet(previous)) {
-      publish(Status::Solved);
-      return solution_;
-    }
+    if (activeSet(previous))
+      return Status::Solved;
     path_ = Path::Pivoting;
-    if (pivot()) {
-      publish(Status::Solved);
-      return solution_;
-    }
-    if (modeCount() > exhaustiveLimit) {
-      publish(Status::Unsettled);
-      return solution_;
-    }
+    if (pivot())
+      return Status::Solved;
+    if (modeCount() > exhaustiveLimit)
+      return Status::Unsettled;
   }
   path_ = Path::Enumeration;
   const int found = enumerate(previous, single);
-  publish(found == 0 ? Status::None : found == 1 ? Status::Solved : Status::Several);
-  return solution_;
+  return found == 0 ? Status::None : found == 1 ? Status::Solved : Status::Several;
 }
 
 }  // namespace tf::runtime

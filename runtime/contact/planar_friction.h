@@ -119,6 +119,7 @@ private:
   void buildTransfer(int variables);
   void buildComplementarity(int variables);
   void readComplementarity(Candidate &candidate);
+  PlanarFrictionSolution::Status search(const PlanarFrictionMode *previous, Wanted wanted);
   void publish(PlanarFrictionSolution::Status status);
 
   PlanarFrictionProblem problem_, scaled_;
