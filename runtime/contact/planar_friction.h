@@ -39,7 +39,7 @@ struct PlanarFrictionProblem {
         row < normalCount ? normalKind[row] != NormalKind::Prescribed : tangentKind[row - normalCount] == TangentKind::Bilateral;
     return isBound ? 1 : freeWeight;
   }
-  static constexpr double freeWeight = 1e-5;
+  static constexpr double freeWeight = 1e-3;
 };
 
 enum class NormalState : std::uint8_t { Off, Active, Upper };  // λ = 0 (or prescribed), w = 0, λ = upper
