@@ -70,17 +70,15 @@ ExprPtr FunctionBody::type(const ast::Expr &expr, const Locals *iterators) {
   return Typer(context_, Scope{scope_, iterators, true}).type(expr);
 }
 
-// Parameters that only this condition is on stay parameters.
 std::optional<bool> FunctionBody::known(const flat::Expr &condition) {
   const auto value =
       condition.variability <= Variability::Constant ? constantValue(context_, condition) : settledValue(context_, condition);
-  return value ? std::optional((*value)[0] != 0) : std::nullopt;
+  return value ? std::optional(value->front() != 0) : std::nullopt;
 }
 
-// As sizes do, the condition of a loop makes the parameters that it is on structural.
 std::optional<bool> FunctionBody::settled(const flat::Expr &condition) {
   const auto value = constantValue(context_, condition);
-  return value ? std::optional((*value)[0] != 0) : std::nullopt;
+  return value ? std::optional(value->front() != 0) : std::nullopt;
 }
 
 bool FunctionBody::isOverLimit(Span span) {

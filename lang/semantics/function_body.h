@@ -38,8 +38,9 @@ private:
   Flow assign(const ast::Expr &target, const ExprPtr &value, const Locals *iterators);
   Flow fail(Span span, std::string_view what);
   ExprPtr type(const ast::Expr &expr, const Locals *iterators);
-  // The value of a condition; nothing if it depends on anything but constants.
+  // The value of a condition; nothing if it depends on anything but constants and parameters that are structural already.
   std::optional<bool> known(const flat::Expr &condition);
+  // As well of other parameters, which become structural, as those do that sizes are on.
   std::optional<bool> settled(const flat::Expr &condition);
   bool isOverLimit(Span span);
 
