@@ -352,19 +352,20 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   return true;
 }
 
-// How the time of the guard's zero near (time, state) with rate f⁻ moves with each column. False: the guard only touches zero.
-bool Sensitivities::eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times) {
+// How the guard's value moves with time where the state moves along its rate, and with each column at fixed time. False: they could not be
+// evaluated, or the guard only touches zero.
+bool Sensitivities::differentiateGuard(double time, const double *state, const double *rate, int guard, double &slope,
+                                       Eigen::VectorXd &change) {
   std::copy_n(state, state_.size(), state_.begin());
-  std::vector<double> &point = point_;
   // The guard along (δt, δy, δθ).
   const auto along = [&](double timeChange, const double *direction, const Column *column, double scale, double &derivative) {
     const auto value = [&](double s, double *values) {
       for (int i = 0; i < n_; ++i)
-        point[static_cast<std::size_t>(i)] = state[i] + s * direction[i];
-      point.back() = state[n_];
+        point_[static_cast<std::size_t>(i)] = state[i] + s * direction[i];
+      point_.back() = state[n_];
       if (column != nullptr)
         shift(*column, s);
-      if (!dynamics_.evaluate(time + s * timeChange, point.data(), rate_.data()))
+      if (!dynamics_.evaluate(time + s * timeChange, point_.data(), rate_.data()))
         return false;
       *values = dynamics_.guardValue(guard);
       return true;
@@ -374,34 +375,67 @@ bool Sensitivities::eventTimes(double time, const double *state, const double *r
       shift(*column, 0);
     return isGood;
   };
-  double slope = 0, rounding = 0;  // of the guard, by time
-  const Guard &which = dynamics_.guards()[guard];
-  if (which.kind == GuardKind::Gap) {
-    // Impacts that accumulate are slow in the end.
-    const int nq = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
-    if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
-      return false;
-    dynamics_.model().switchingOf(which.index);
-    slope = dynamics_.model().gapRate[which.index];
-    rounding = 1e-13 * std::max(1.0, Eigen::Map<const Eigen::VectorXd>(state + nq, nv).lpNorm<Eigen::Infinity>());
-  } else {
-    double largest = 1;
-    for (int i = 0; i < n_; ++i)
-      largest = std::max(largest, std::abs(rate[i]) / std::max(1.0, std::abs(state[i])));
-    if (!along(1, rate, nullptr, largest, slope))
-      return false;
-    rounding = 1e-9 * largest * which.scale;
-  }
-  if (!(std::abs(slope) > rounding))
+  double largest = 1;
+  for (int i = 0; i < n_; ++i)
+    largest = std::max(largest, std::abs(rate[i]) / std::max(1.0, std::abs(state[i])));
+  if (!along(1, rate, nullptr, largest, slope) || !(std::abs(slope) > 1e-9 * largest * dynamics_.guards()[guard].scale))
     return false;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
     const auto index = static_cast<Eigen::Index>(k);
-    double change = 0;
-    if (!along(0, matrix_.col(index).data(), &columns_[k], scaleOf(columns_[k], matrix_.col(index).data()), change))
+    if (!along(0, matrix_.col(index).data(), &columns_[k], scaleOf(columns_[k], matrix_.col(index).data()), change[index]))
       return false;
-    times[index] = -change / slope;
   }
   return true;
+}
+
+// The same of a contact's gap. Impacts that accumulate are slow in the end, and what a derivative of the gap is wrong by moves their times
+// by as much over the gap's rate: the derivative by the state is that of the generated code, without rounding errors of differences.
+bool Sensitivities::differentiateGap(double time, const double *state, int contact, double &slope, Eigen::VectorXd &change) {
+  ModelEvaluation &at = dynamics_.model();
+  const int nq = at.model().nq, nv = at.model().nv;
+  std::copy_n(state, state_.size(), state_.begin());
+  at.setPoint(time, state_.data());
+  at.switchingOf(contact);
+  slope = at.gapRate[contact];
+  if (!(std::abs(slope) > 1e-11 * std::max(1.0, Eigen::Map<const Eigen::VectorXd>(state + nq, nv).lpNorm<Eigen::Infinity>())))
+    return false;
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(at.model().nc + at.model().nf), 0);
+  mask[static_cast<std::size_t>(contact)] = 1;
+  at.contactTerms(mask.data());
+  at.kinematicsDerivatives();
+  const Eigen::RowVectorXd normal = Eigen::Map<const Eigen::RowVectorXd>(at.normal.data() + static_cast<std::ptrdiff_t>(contact) * nv, nv);
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  if (at.model().kinematics == nullptr)
+    change = (normal * matrix_.topRows(nq)).transpose();
+  else
+    change = (normal * Eigen::Map<const RowMajor>(at.kinematicMatrix.data(), nq, nv).colPivHouseholderQr().solve(matrix_.topRows(nq)))
+                 .transpose();
+  for (std::size_t k = 0; k < columns_.size(); ++k) {
+    if (!columns_[k].movesModel)
+      continue;
+    const auto gap = [&](double s, double *values) {
+      shift(columns_[k], s);
+      at.setPoint(time, state_.data());
+      at.switchingOf(contact);
+      *values = at.gap[contact];
+      return true;
+    };
+    double byModel = 0;
+    difference(gap, scaleOf(columns_[k], still_.data()), 1, &byModel);
+    shift(columns_[k], 0);
+    change[static_cast<Eigen::Index>(k)] += byModel;
+  }
+  return change.allFinite();
+}
+
+// How the time of the guard's zero near (time, state) with rate f⁻ moves with each column. False: the guard only touches zero.
+bool Sensitivities::eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times) {
+  const Guard which = dynamics_.guards()[guard];
+  double slope = 0;
+  const bool isGood = which.kind == GuardKind::Gap ? differentiateGap(time, state, which.index, slope, times)
+                                                   : differentiateGuard(time, state, rate, guard, slope, times);
+  times /= -slope;
+  return isGood;
 }
 
 EventDerivative Sensitivities::beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards) {
@@ -444,12 +478,14 @@ bool Sensitivities::differentiate(const std::function<bool(double time, double *
   return isGood;
 }
 
-// The map as values at a point.
-auto Sensitivities::image(const Map &map) const {
-  return [&map, n = n_](double time, double *state, double *values) {
+// What the map changes the state by, as values at a point: differences of what it does not change have no rounding errors.
+auto Sensitivities::displacement(const Map &map) {
+  return [&map, this](double time, double *state, double *values) {
+    std::copy_n(state, n_, values);
     if (!map(time, state))
       return false;
-    std::copy_n(state, n, values);
+    for (int i = 0; i < n_; ++i)
+      values[i] = state[i] - values[i];
     return true;
   };
 }
@@ -457,9 +493,9 @@ auto Sensitivities::image(const Map &map) const {
 bool Sensitivities::mapColumns(const Map &map, double time, const double *state) {
   Eigen::MatrixXd mapped(n_, columnCount());
   for (int k = 0; k < columnCount(); ++k)
-    if (!differentiate(image(map), time, state, k, n_, mapped.col(k).data()))
+    if (!differentiate(displacement(map), time, state, k, n_, mapped.col(k).data()))
       return false;
-  matrix_ = mapped;
+  matrix_ += mapped;
   return matrix_.allFinite();
 }
 
@@ -479,7 +515,7 @@ template <class Function> bool Sensitivities::kink(const Function &function, dou
 // that of the differences that do not reach one nearby. False: no column has a kink.
 bool Sensitivities::findKink(const Map &map, double time, const double *state) {
   constexpr double finest = 1e3;
-  const auto values = image(map);
+  const auto values = displacement(map);
   bool found = false;
   jump_.setZero(n_, columnCount());
   std::copy_n(state, state_.size(), state_.begin());

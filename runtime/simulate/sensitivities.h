@@ -94,7 +94,7 @@ private:
   [[nodiscard]] double jumpError(double length);
   [[nodiscard]] static double nextPiece(double length, double error, double jump);
   [[nodiscard]] Eigen::VectorXd rounding(double length);
-  [[nodiscard]] auto image(const Map &map) const;
+  auto displacement(const Map &map);
   bool mapColumns(const Map &map, double time, const double *state);
   bool mapBothSides(const Map &map, double time, const double *state);
   bool findKink(const Map &map, double time, const double *state);
@@ -102,6 +102,8 @@ private:
   // The values at s along a column's direction, from (time, state).
   template <class Function> auto along(const Function &values, double time, const double *state, int column);
   [[nodiscard]] double alongScale(int column) const;
+  bool differentiateGuard(double time, const double *state, const double *rate, int guard, double &slope, Eigen::VectorXd &change);
+  bool differentiateGap(double time, const double *state, int contact, double &slope, Eigen::VectorXd &change);
   bool eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times);
   bool inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b);
   bool differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);

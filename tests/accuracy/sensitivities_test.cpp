@@ -612,6 +612,36 @@ INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
                                          Case{kSkipping, 3, "mu", 0.05}, Case{kSkipping, 3, "h", 1}, Case{kBouncing, 2, "e", 0.5},
                                          Case{kBouncing, 2, "h", 0.3}, Case{kSlot, 1, "mu", 0.25}, Case{kSlot, 1, "e", 0.3}));
 
+// Bounces of a foot that accumulate, in a mechanism whose gaps are no coordinates: the slower an impact, the more its time moves with a
+// given error of a derivative of the gap.
+TEST(Sensitivities, OfSlowImpactsAreAsExactAsThoseOfFastOnes) {
+  const std::string file = sourceFile("compass.tf", R"(model Compass
+  parameter Real l = 1, b = 0.5, slope = 0.05, g = 9.81, w = -1;
+  coordinate Real r[2](start = {0, l*cos(0.2)}, der(start = {-l*w*cos(0.2), 0}));
+  coordinate Real phi[2](start = {0.2, -0.3}, der(start = {w, 0}));
+  Real foot[2, 2] = {r + l*{sin(phi[i]), -cos(phi[i])} for i in 1:2};
+  body hip(mass = 10, position = r);
+  body leg[2](each mass = 5, position = {r + b*{sin(phi[i]), -cos(phi[i])} for i in 1:2});
+  gravity weight(acceleration = {g*sin(slope), -g*cos(slope)});
+  contact ground[2](gap = foot[:, 2], slip = der(foot[:, 1]), each friction = 1, each restitution = 0.1);
+end Compass;
+)");
+  constexpr double end = 0.2, step = 1e-4;
+  const auto angle = [&](double w) {
+    CompiledModel model(file, {{"w", w}});
+    model.tolerance(1e-12).run(end);
+    EXPECT_GE(model.count(TF_EVENT_REST), 2);
+    return model["phi[1]"];
+  };
+  const double difference = (8 * (angle(-1 + step) - angle(-1 - step)) - (angle(-1 + 2 * step) - angle(-1 - 2 * step))) / (12 * step);
+  for (const double tolerance : {1e-8, 1e-9, 1e-10}) {
+    CompiledModel model(file);
+    differentiateBy(model, {"w"});
+    model.tolerance(tolerance).run(end);
+    EXPECT_NEAR(sensitivity(model, "phi[1]", 0), difference, 2e-8) << tolerance;
+  }
+}
+
 // y = 1: the ball rests at t = sqrt(2/g) (1 + e)/(1 − e).
 TEST(Sensitivities, OfTheTimeOfRestAreThoseOfTheClosedForm) {
   const double g = 9.81, e = 0.8, first = std::sqrt(2 / g), rest = first * (1 + e) / (1 - e);
