@@ -50,8 +50,13 @@ public:
   [[nodiscard]] bool hasUndefined() const;
   // The step ended without an event: its end is the begin of the next one.
   void advance();
+  enum class Location : std::uint8_t {
+    Found,
+    Unsolved,  // there is no step to there
+    Vanished   // a step to there ends with a gap that is positive and grows
+  };
   // Ends the integrator's step where the guard is zero, with the step's length as an unknown: to rounding, at the order of the method.
-  bool locate(DetectedEvent &event);
+  Location locate(DetectedEvent &event);
   // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed or a force has fallen to zero before the event,
   // which the interpolant had in another order; the event is then that guard's, still to be located.
   bool findEarlier(DetectedEvent &event);

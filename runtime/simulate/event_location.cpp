@@ -10,13 +10,13 @@ namespace tf::runtime {
 
 // The step's length h is an unknown together with the state: Newton's method on guard(y(t0 + h)) = 0 with the element solved anew for each
 // h, until h changes so little that the state moves along dy/dt (trapezoidal rule, error h³) to rounding.
-bool EventDetection::locate(DetectedEvent &event) {
+EventDetection::Location EventDetection::locate(DetectedEvent &event) {
   // The slope of the interpolant serves while it leads to the zero.
   constexpr double poor = 0.1, rounding = 1e-14, insensitive = 1e-9, clearly = 30;
   if (integrator_->isExactInside() && moveInside(event))
-    return true;
+    return Location::Found;
   if (endsNearby(event))
-    return true;
+    return Location::Found;
   const int guard = event.guard;
   const double zero = level(guard);
   const double begin = integrator_->beginTime();
@@ -26,7 +26,7 @@ bool EventDetection::locate(DetectedEvent &event) {
   double x = event.time, slope = event.slope, previous = x, previousValue = 0;
   for (int k = 0; k < 60; ++k) {
     if (!integrator_->shorten(x))
-      return false;
+      return Location::Unsolved;
     // The guard is zero where the event's state will be: on the closed contacts.
     const double correction = dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
     double value = guardHere(guard, x) - zero;
@@ -34,7 +34,7 @@ bool EventDetection::locate(DetectedEvent &event) {
     const double near = std::max(effect * clearly, -slope * integrator_->reach() * (x - begin));
     if (correction > rounding && effect > insensitive * g.scale && (k == 0 || std::abs(value) <= near)) {
       if (!dynamics_.evaluate(x, integrator_->end(), integrator_->endRate()))
-        return false;
+        return Location::Unsolved;
       const double before = value;
       value = guardHere(guard, x) - zero;
       effect = std::abs(value - before);
@@ -42,24 +42,28 @@ bool EventDetection::locate(DetectedEvent &event) {
     bracket.narrow(x, value < 0);
     if (g.kind == GuardKind::Gap)
       slope = dynamics_.model().gapRate[g.index];
-    else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
+    // A gap that has just begun to open does so more slowly than a long step is wrong.
+    if (g.kind == GuardKind::Gap && value > 0 && slope >= 0) {
+      event.time = x;
+      return Location::Vanished;
+    } else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
       slope = (value - previousValue) / (x - previous);
     previous = x;
     previousValue = value;
     const double way = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();
     if (std::abs(way) <= integrator_->reach() * (x - begin) && extend(guard, zero, value, slope, x, event))
-      return true;
+      return Location::Found;
     if (std::abs(way) <= 1e-5 * (x - begin))
-      return nudge(guard, zero, value, slope, x, event);
+      return nudge(guard, zero, value, slope, x, event) ? Location::Found : Location::Unsolved;
     const double next = bracket.next(x + way);
     if (std::abs(next - x) <= std::numeric_limits<double>::epsilon() * std::abs(x)) {
       event.time = x;
-      return true;
+      return Location::Found;
     }
     x = next;
   }
   event.time = x;
-  return true;
+  return Location::Found;
 }
 
 // The step has ended so near the zero that the interpolant leads there from its end.

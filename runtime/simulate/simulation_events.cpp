@@ -137,14 +137,16 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   bool stops = dynamics_.guards()[event.guard].kind == GuardKind::SlipAlong;
   if (stops && !locateStop(event))
     return followTurn(event);
-  if (!stops && !detection_.locate(event))
-    return approach(event);
-  for (int k = 0; k < model_.nc && detection_.findEarlier(event); ++k) {
+  EventDetection::Location location = stops ? EventDetection::Location::Found : detection_.locate(event);
+  for (int k = 0; k < model_.nc && location == EventDetection::Location::Found && detection_.findEarlier(event); ++k) {
     stops = false;
     dynamics_.holdDirections(0);
-    if (!detection_.locate(event))
-      return approach(event);
+    location = detection_.locate(event);
   }
+  if (location == EventDetection::Location::Unsolved)
+    return approach(event);
+  if (location == EventDetection::Location::Vanished)
+    return endStep(event.time - integrators_.current().beginTime());
   const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
   if (stops)

@@ -38,7 +38,7 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   const DetectedEvent detected = event;
   // Slips of one body end together: none of them has a direction there.
   dynamics_.holdDirections(slow);
-  if (detection_.locate(event)) {
+  if (detection_.locate(event) == EventDetection::Location::Found) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
     if (dynamics_.slipSpeed(event.guard) <= most)

@@ -122,5 +122,33 @@ TEST(MovingBoundaries, JumpsThatNothingFollowsAreErrors) {
          "the friction coefficient of contact 'floor' is -1, it cannot be negative (");
 }
 
+// The gap opens with the third power of time, more slowly than a long step at a loose tolerance is wrong.
+TEST(MovingBoundaries, AWheelLeavesTheRoadOnce) {
+  const std::string file = sourceFile("quarter_car.tf", R"(
+model QuarterCar
+  parameter Real M = 75, m = 20, k = 20000, A = 0.1, w = 15, g = 9.81;
+  Real road = A*sin(w*time)*(if time < 0.1 then 0 else 1 - exp(-5*(time - 0.1)));
+  coordinate Real zb(start = -M*g/k), zw;
+  body chassis(mass = M, position = {0, zb});
+  body wheel(mass = m, position = {0, zw});
+  gravity weight(acceleration = {0, -g});
+  potential spring(energy = k/2*(zb - zw)^2);
+  contact ground(gap = zw - road);
+end QuarterCar;
+)");
+  const auto run = [&](tf_integrator integrator, double tolerance, double amplitude) {
+    CompiledModel model(file, {{"A", amplitude}});
+    model.tolerance(tolerance).integrator(integrator).run(0.5);
+    EXPECT_LE(model.count(TF_EVENT_OPENING), 2);
+    return model["zb"];
+  };
+  for (const double amplitude : {0.1, 0.15}) {
+    const double exact = run(TF_STEP, 1e-11, amplitude);
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6})
+        EXPECT_NEAR(run(integrator, tolerance, amplitude), exact, 10 * tolerance) << tolerance;
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
