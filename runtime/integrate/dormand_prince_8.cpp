@@ -65,9 +65,10 @@ constexpr double leastDamping = 0.01;
 // size of the error, and either may pass through zero. Of y' = −1 − √|y| and the like, from y = 0, it is at most 5.5 times this one.
 double errorBehindSwitch(double five, double three) { return std::max(2 * std::abs(five), 0.2 * std::abs(three)); }
 
-// Of estimates of orders 5 and 3 (II.10).
+// Of estimates of orders 5 and 3 (II.10). The squares of errors far below any tolerance are zero.
 double dampedError(double five, double three) {
-  return five == 0 ? 0 : five * std::max(leastDamping, std::abs(five) / std::sqrt(five * five + three * three));
+  const double squares = five * five + three * three;
+  return squares > 0 ? five * std::max(leastDamping, std::abs(five) / std::sqrt(squares)) : five;
 }
 
 // Stages 14 to 16, out of k1 … k12, k13 = dy/dt at the end, and those before.

@@ -56,5 +56,25 @@ TEST(OrderOfSteps, IsLowWhereOutputsEndThem) {
   }
 }
 
+// The squares of the errors of a force that is all but zero are zero. Its whole impulse is s √π.
+TEST(OrderChoice, AForceThatGrowsOutOfNothingIsFollowed) {
+  CompiledModel model(sourceFile("pulse.tf", R"(
+model Pulse
+  parameter Real s = 0.3;
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  force f(value = exp(-((time - 10)/s)^2), at = x);
+end Pulse;
+)"));
+  for (const double width : {0.1, 0.2, 0.35})
+    for (const double tolerance : {1e-9, 1e-10, 1e-12}) {
+      ASSERT_EQ(tf_set(model.simulation(), "s", width), TF_OK);
+      model.tolerance(tolerance).initialise();
+      for (int k = 1; k <= 200; ++k)
+        model.advance(0.1 * k);
+      EXPECT_NEAR(model["der(x)"], width * std::sqrt(std::acos(-1.0)), 10 * tolerance);
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
