@@ -12,6 +12,12 @@ void ContactRows::resize(int normals, int tangents) {
   partner.assign(tangents, -1);
 }
 
+bool ContactProblem::isInert(int j) const {
+  constexpr double vanishing = 1e-18;  // square of the gradient's length, relative to that of the gap's
+  const int row = normalCount + j;
+  return owner[j] >= 0 && partner[j] < 0 && delassus(row, row) <= vanishing * delassus(owner[j], owner[j]);
+}
+
 bool ContactRows::hasDisks() const {
   for (int j = 0; j < tangentCount; ++j)
     if (isDisk(j))

@@ -46,6 +46,9 @@ struct ContactProblem : ContactRows {
 
   // D and φ are zero afterwards.
   void resize(int normals, int tangents);
+  // The slip of tangential row j, alone in its direction, hardly depends on any velocity (its gradient vanishes at the point): no force
+  // that friction may have changes its acceleration.
+  [[nodiscard]] bool isInert(int j) const;
   // Turns the frame of the pair that begins with tangential row j: the new first row is c·first + s·second, c² + s² = 1.
   void turnPair(int j, double c, double s);
 };
@@ -83,6 +86,7 @@ struct ContactSolution {
   std::vector<double> accelerations;  // w: n + m
   // Certificate: the largest violation of any of the conditions, relative to the scale of the problem.
   double violation = 0;
+  double scale = 0;                   // of forces times √D_rr and accelerations divided by it: what `degeneracy` is relative to
   bool redundant = false;             // D is singular on the active rows: λ is the least-norm one
   std::vector<ForceLimit> saturated;  // redundant: limits on which the least-norm λ lies within the mode
   std::vector<int> degenerate;        // rows decided by the next derivative only (ContactSolver::resolve)

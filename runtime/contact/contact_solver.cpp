@@ -187,8 +187,13 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   if (!solution.redundant)
     return true;
   ++statistics.redundant;
-  if (set->solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved)
-    return false;
+  if (set->solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved) {
+    solution.redundant = !set->solveNearlySingular(problem, settings.degeneracy);
+    if (!solution.redundant)
+      return true;
+    if (set->solveNearest(problem, solution.forces, settings.degeneracy) != LeastNorm::Status::Solved)
+      return false;
+  }
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
   forcesFound = solution.forces;
@@ -301,6 +306,7 @@ ContactSolver &ContactSolver::operator=(ContactSolver &&) noexcept = default;
 void ContactSolver::Workspace::begin(const std::vector<double> &force, const std::vector<double> &acceleration, double violation,
                                      double scale) {
   zero = settings.degeneracy * scale;
+  solution.scale = scale;
   solution.forces = force;
   solution.accelerations = acceleration;
   solution.violation = violation;

@@ -36,6 +36,7 @@ void ForceSet::setMode(const ContactProblem &problem, const ContactMode &mode) {
   fixed_.assign(n, 0.0);
   limits_.clear();
   conic_ = false;
+  reference_.clear();
   cone_.forget();
   for (int i = 0; i < n; ++i) {
     active_[i] = mode.closed[i];
@@ -124,6 +125,37 @@ bool ForceSet::solveRegular(const ContactProblem &problem) {
     if (!std::isfinite(f))
       return false;
   return true;
+}
+
+bool ForceSet::solveNearlySingular(const ContactProblem &problem, double tolerance) {
+  if (conic_ || !solveRegular(problem))
+    return false;
+  double largestForce = 0, largestBias = 0;
+  for (const double force : forces_)
+    largestForce = std::max(largestForce, std::abs(force));
+  for (int k = 0; k < static_cast<int>(limits_.size()); ++k)
+    if (!(slack(problem, k) >= -tolerance * largestForce))
+      return false;
+  for (const int row : equations_.active())
+    largestBias = std::max(largestBias, std::abs(rows_.bias[row]));
+  const int count = rows_.normalCount + rows_.tangentCount;
+  for (const int row : equations_.active())
+    if (!(std::abs(rows_.bias[row] + denseDot(rows_.delassus->column(row), forces_.data(), count)) <= redundantResidual * largestBias))
+      return false;
+  singular_ = false;
+  return true;
+}
+
+LeastNorm::Status ForceSet::solveNearest(const ContactProblem &problem, const std::vector<double> &forces, double tolerance) {
+  if (conic_)
+    return LeastNorm::Status::Contradictory;
+  reference_.clear();
+  for (const int row : equations_.active())
+    reference_.push_back(forces[row]);
+  const LeastNorm::Status status = solveLeastNorm(problem, tolerance);
+  if (status != LeastNorm::Status::Solved)
+    reference_.clear();
+  return status;
 }
 
 // A ẋ = −(accelerationRate + D ḃ) with ḃ = −s limitRate on the slipping rows: the same equations with other data.
@@ -257,6 +289,14 @@ void ForceSet::weighEquations() {
   }
 }
 
+// Of the reference, where the normal has the entries `normal` for weighted unknowns.
+double ForceSet::atReference(const double *normal) const {
+  double sum = 0;
+  for (std::size_t c = 0; c < reference_.size(); ++c)
+    sum += normal[c] * weight_[c] * reference_[c];
+  return sum;
+}
+
 // Divided by the length of the row.
 void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
   const int k = activeCount();
@@ -269,7 +309,7 @@ void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
   const double inverse = 1 / length_[r];
   for (int c = 0; c < k; ++c)
     normal[c] *= inverse;
-  polyhedron.bound(r) = unknown_[r] / length_[r];
+  polyhedron.bound(r) = unknown_[r] / length_[r] - atReference(normal);
 }
 
 // Of unit length.
@@ -304,7 +344,7 @@ void ForceSet::loadLimit(LeastNorm &polyhedron, int l) {
   normal[limit.own] = limit.ownEntry;
   if (limit.owner >= 0)
     normal[limit.owner] = limit.ownerEntry;
-  polyhedron.bound(k + l) = limit.bound;
+  polyhedron.bound(k + l) = limit.bound - atReference(normal);
   length_[k + l] = limit.length;
 }
 
@@ -319,17 +359,19 @@ void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
     loadLimit(polyhedron, l);
   forceScale_ = 0;
   for (int r = 0; r < k; ++r)
-    forceScale_ = std::max(forceScale_, std::abs(polyhedron.bound(r)));
+    forceScale_ = std::max(forceScale_, std::abs(unknown_[r]) / length_[r]);
   for (int j = 0; j < rows_.tangentCount; ++j)
     if (equations_.position(rows_.normalCount + j) >= 0)
       forceScale_ = std::max(forceScale_, rows_.offset[j]);
+  for (const double force : reference_)
+    forceScale_ = std::max(forceScale_, std::abs(force));
   if (!(forceScale_ > 0))
     forceScale_ = 1;
 }
 
 void ForceSet::expandPoint(const double *point) {
   for (int k = 0; k < activeCount(); ++k)
-    unknown_[k] = point[k] / weight_[k];
+    unknown_[k] = point[k] / weight_[k] + (reference_.empty() ? 0 : reference_[k]);
   equations_.expandForces(rows_, unknown_.data(), forces_.data());
 }
 
@@ -472,6 +514,8 @@ bool ForceSet::solveAll() {
 // Friction that a normal force takes along, and limits, tell unknowns apart.
 bool ForceSet::chooseShares() {
   const int k = activeCount(), n = rows_.normalCount;
+  if (!reference_.empty())
+    return false;
   isAlone_.assign(k, 0);
   loads_.clear();
   for (int j = 0; j < rows_.tangentCount; ++j) {

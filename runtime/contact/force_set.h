@@ -46,6 +46,10 @@ public:
 
   // The unique force; false where the matrix is singular. Results in forces(), accelerations().
   bool solveRegular(const ContactProblem &problem);
+  // Of rows that are taken for redundant although they only nearly depend on one another, as those of a wedge that is nearly flat: the
+  // unique force, to be used where there is no least-norm one. False: it is none either, or none within the limits, to `tolerance` of the
+  // largest force. From then on the rows are not redundant.
+  bool solveNearlySingular(const ContactProblem &problem, double tolerance);
   // The matrix of the last solveRegular.
   [[nodiscard]] const LuFactor &factor() const { return factor_; }
   // Directional derivative after solveRegular, or after solveLeastNorm or solveActive, see ModeForces::forceRates.
@@ -65,6 +69,9 @@ public:
     leastNormTolerance_ = status == LeastNorm::Status::Solved ? tolerance : std::numeric_limits<double>::infinity();
     return status;
   }
+  // As solveLeastNorm, of what the forces differ by from these (n + m) of the same problem, which the search has found otherwise: of rows
+  // that nearly depend on one another the least-norm ones may be too large to be told from none. Polyhedra only.
+  LeastNorm::Status solveNearest(const ContactProblem &problem, const std::vector<double> &forces, double tolerance);
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
   // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force
@@ -109,6 +116,7 @@ private:
   void loadPolyhedron(LeastNorm &polyhedron);
   void weighEquations();
   void loadEquation(LeastNorm &polyhedron, int r);
+  [[nodiscard]] double atReference(const double *normal) const;
   // The normal of a limit among the unknowns (`owner` < 0: one entry) and its bound, divided by the normal's length.
   struct LimitRow {
     int own = 0, owner = -1;
@@ -142,6 +150,7 @@ private:
   std::vector<ForceLimit> limits_;
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;
+  std::vector<double> reference_;  // of unknowns: what the least norm is that of the difference from; empty: zero
   std::vector<double> offset_, fixed_, unknown_, weight_, inverseWeight_, forces_, accelerations_;
   std::vector<int> dependent_;              // of the equations of a polyhedron: those that depended on others in the last solveLeastNorm
   std::vector<double> length_, boundRate_;  // of constraints: rows before they were made unit, and derivatives of their bounds

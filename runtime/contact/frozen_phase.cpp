@@ -23,6 +23,8 @@ constexpr double contraction = 1e-9;
 // breakpoints have passed, what counts as zero grows, up to a limit far below the accuracy of any run.
 constexpr int coarsenEvery = 2048;
 constexpr double coarsening = 10, coarsest = 1e-9;
+// Contacts that no impulse can part may approach by this part of the fastest velocity, or by so many rounding errors of velocities.
+constexpr double unresolved = 1e-6, roundings = 1e4;
 
 }  // namespace
 
@@ -68,6 +70,7 @@ struct FrozenPhase::Workspace {
   bool findDirection(int forced);
   int nextBreakpoint(double &duration) const;
   bool discard();
+  bool stopApproaches();
   void advance(int row, double duration);
   void advanceStores(int row, double duration);
   void record(int row, FrozenEvent event);
@@ -133,6 +136,7 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   kept = 0;
   hasPrevious = false;
   result.status = FrozenStatus::Finished;
+  result.leavesApproach = false;
   result.rows.clear();
   result.breakpointCount = 0;
 }
@@ -252,6 +256,21 @@ bool FrozenPhase::Workspace::discard() {
     any = true;
   }
   resetTail();
+  return any;
+}
+
+// Nothing moves, but contacts that no impulse can part, as those of bodies that just fit between two walls, approach by what is left of
+// velocities that are larger by orders of magnitude. False: faster, or none do.
+bool FrozenPhase::Workspace::stopApproaches() {
+  bool any = false;
+  for (int i = 0; i < problem->normalCount; ++i) {
+    if (velocity[i] < -std::max(unresolved * fastest * metric[i], roundings * problem->resolution))
+      return false;
+    any = any || velocity[i] < 0;
+  }
+  for (int i = 0; i < problem->normalCount && any; ++i)
+    velocity[i] = std::max(velocity[i], 0.0);
+  result.leavesApproach = result.leavesApproach || any;
   return any;
 }
 
@@ -437,6 +456,8 @@ void FrozenPhase::Workspace::follow(int forced) {
       event = FrozenEvent::Discard;
       continue;
     }
+    if (row < 0 && stopApproaches())
+      continue;
     if (row < 0)
       return fail(FrozenStatus::Unbounded);
     advance(row, duration);

@@ -64,6 +64,7 @@ struct FrozenResult {
   std::vector<double> velocity;  // n + m: final c2, c3; exactly 0 where held
   std::vector<int> rows;         // normal rows that do not come to an end
   int breakpointCount = 0;       // of the path; `breakpoints` keeps the first 1000
+  bool leavesApproach = false;   // contacts that no impulse can part still approach, slowly; their final c2 is 0 all the same
 };
 
 class FrozenPhase {

@@ -89,7 +89,8 @@ ModeForces::~ModeForces() = default;
 ModeForces::ModeForces(ModeForces &&) noexcept = default;
 ModeForces &ModeForces::operator=(ModeForces &&) noexcept = default;
 
-bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found) {
+bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found,
+                       const std::vector<double> *known) {
   Workspace &w = *work_;
   if (found != nullptr && (*found)->hasMode(problem, mode)) {
     w.set->forget();
@@ -101,11 +102,15 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, s
     w.redundant = w.set->singular(problem);
   }
   bool valid = true;
-  if (w.redundant)
+  if (w.redundant) {
     valid = w.set->hasLeastNorm(feasibility) || w.set->solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved ||
-            w.set->solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved;
-  else
+            w.set->solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved ||
+            (known != nullptr && w.set->solveNearest(problem, *known, feasibility) == LeastNorm::Status::Solved);
+    w.redundant = valid || !w.set->solveNearlySingular(problem, feasibility);
+    valid = valid || !w.redundant;
+  } else {
     valid = w.set->solveRegular(problem);
+  }
   w.allowed = w.redundant && w.set->mayContradict() ? std::max(contradiction, 10 * w.set->contradiction()) : contradiction;
   w.mayPress = !w.redundant && valid && slipsWithFriction(problem, mode);
   if (w.mayPress)

@@ -47,8 +47,9 @@ public:
 
   // Starts the mode at `problem`. Finds out whether the active rows are redundant, and then the least-norm representative. False: no
   // force of the mode is admissible there (or the active rows contradict one another). What `found` knows of the same problem in this mode
-  // is taken from it (exchanged with a set that knows nothing).
-  bool start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found = nullptr);
+  // is taken from it (exchanged with a set that knows nothing). `known` (n + m): forces of the problem that may be those of the mode.
+  bool start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found = nullptr,
+             const std::vector<double> *known = nullptr);
 
   // Whether the motion depends on how redundant rows share their load (theory.md section 6), at the last evaluation's problem.
   [[nodiscard]] bool sharesMove() const;

@@ -33,7 +33,7 @@ bool scaleRows(const ContactProblem &problem, ScaledContact &c) {
   c.normalBias = problem.bias[0] / c.normalMetric;
   c.hasTangent = problem.tangentCount == 1;
   if (c.hasTangent) {
-    if (problem.owner[0] != 0 || problem.partner[0] >= 0 || !(problem.friction[0] > 0) || !(problem.delassus(1, 1) > 0))
+    if (problem.owner[0] != 0 || problem.partner[0] >= 0 || !(problem.friction[0] > 0) || problem.isInert(0))
       return false;
     c.tangentMetric = std::sqrt(problem.delassus(1, 1));
     c.coupling = problem.delassus(0, 1) / (c.normalMetric * c.tangentMetric);
@@ -96,6 +96,7 @@ bool solveSingleContact(const ContactProblem &problem, double degeneracy, Contac
     return false;
   }
   solution.status = ContactStatus::Solved;
+  solution.scale = c.scale;
   solution.forced = -1;
   solution.redundant = false;
   solution.saturated.clear();

@@ -2,7 +2,7 @@
 
 namespace tf::runtime {
 
-void ContactSystem::settle(const SettledForces &settled, const ContactMode &mode) {
+std::vector<double> ContactSystem::settle(const SettledForces &settled, const ContactMode &mode) {
   const int normals = problem.normalCount, count = problem.count();
   std::vector<double> forces(static_cast<std::size_t>(count));
   for (int i = 0; i < normals; ++i)
@@ -16,6 +16,7 @@ void ContactSystem::settle(const SettledForces &settled, const ContactMode &mode
     for (int c = 0; c < count; ++c)
       problem.bias[row] -= problem.delassus(row, c) * forces[c];
   }
+  return forces;
 }
 
 }  // namespace tf::runtime

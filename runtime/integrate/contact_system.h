@@ -10,9 +10,11 @@
 
 namespace tf::runtime {
 
-// Contact forces that are known to be exact where the accelerations of rows that they hold are so by rounding only [nc], [nt].
+// Contact forces that are known to be exact where the accelerations of rows that they hold are so by rounding only [nc], [nt]; and the
+// magnitude that they are zero relative to.
 struct SettledForces {
   std::vector<double> normal, tangent;
+  double scale = 0;
 };
 
 struct ContactSystem {
@@ -37,8 +39,9 @@ struct ContactSystem {
     at.mobility.accelerate(at.force.data(), at.constraintBias.data(), freeAcceleration);
     rows.bias(at, freeAcceleration, problem.bias);
   }
-  // φ of the rows that do not slip becomes that with which these forces hold them exactly, in the problem nearby where they do.
-  void settle(const SettledForces &settled, const ContactMode &mode);
+  // φ of the rows that do not slip becomes that with which these forces hold them exactly, in the problem nearby where they do. Returns the
+  // forces of the rows.
+  std::vector<double> settle(const SettledForces &settled, const ContactMode &mode);
 };
 
 // The contact problem at the point of the evaluation, all of it, and what has been found of its forces (see ModeForces::start): a mode of

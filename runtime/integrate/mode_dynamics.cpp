@@ -106,15 +106,17 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
   settled_ = solved != nullptr ? solved->settled : nullptr;
   isComplete_ = true;
   isBegun_ = isSolved ? evaluateSolved(time, state, *solved, rate) : evaluate(time, state, rate);
-  settled_ = nullptr;
-  if (!isBegun_)
+  if (!isBegun_) {
+    settled_ = nullptr;
     return false;
+  }
   isFolded_ = model.nv <= RowSystem::narrow && sliding_.empty() && (rows_.count() == 0 || !forces_.redundant());
   if (isFolded_)
     folded_.choose(at_, rows_, problem_, contactMode_, forces_);
   isSmall_ = isFolded_ && folded_.isSmall();
   projection_.use(isSmall_ ? &folded_ : nullptr);
   buildGuards();
+  settled_ = nullptr;
   preparedRevision_ = at_.parameterRevision();
   return true;
 }
@@ -228,10 +230,11 @@ bool ModeDynamics::solveForces() {
 bool ModeDynamics::solveRows(double *freeAcceleration) {
   completeRows();
   system_.setBias(at_, freeAcceleration);
+  std::vector<double> known;
   if (settled_ != nullptr)
-    system_.settle(*settled_, contactMode_);
+    known = system_.settle(*settled_, contactMode_);
   isComplete_ = true;
-  return isBegun_ ? forces_.evaluate(problem_) : forces_.start(problem_, contactMode_);
+  return isBegun_ ? forces_.evaluate(problem_) : forces_.start(problem_, contactMode_, nullptr, settled_ != nullptr ? &known : nullptr);
 }
 
 // What folded forces leave out at the point of the last evaluation: W Jᵀ and D, and the forces as a function of them.
@@ -371,9 +374,10 @@ bool ModeDynamics::evaluateSolved(double time, const double *state, const Solved
   at_.setPoint(time, state);
   isGathered_ = hasRows_ = true;
   watchFriction();
+  std::vector<double> known;
   if (settled_ != nullptr)
-    system_.settle(*settled_, contactMode_);
-  if (!forces_.start(problem_, contactMode_, &solved.forces))
+    known = system_.settle(*settled_, contactMode_);
+  if (!forces_.start(problem_, contactMode_, &solved.forces, settled_ != nullptr ? &known : nullptr))
     return fail(EvaluationFailure::SingularContact);
   at_.acceleration = solved.freeAcceleration;
   rows_.accelerate(forces_.forces().data(), at_.acceleration.data());

@@ -39,7 +39,7 @@ void ModeDynamics::buildGuards() {
   if (rows_.count() > 0) {
     for (double force : rowForces())
       largest = std::max(largest, std::abs(force));
-    beginForce_ = std::max(largest, 1e-6);
+    beginForce_ = std::max({largest, 1e-6, settled_ != nullptr ? settled_->scale : 0.0});
     for (std::size_t k = 0; k < leastMargins_.size(); ++k)
       guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, beginForce_});
   }

@@ -39,7 +39,8 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
   }
   rows_.assemble(at_, problem_.delassus, problem_);
   for (std::size_t i = 0; i < contacts.size(); ++i) {
-    problem_.normalVelocity[i] = at_.gapRate[contacts[i]];
+    const bool grazes = std::binary_search(grazing_.begin(), grazing_.end(), contacts[i]);
+    problem_.normalVelocity[i] = grazes ? 0 : at_.gapRate[contacts[i]];
     problem_.rate[i] = at_.rate[contacts[i]];
     problem_.restitution[i] = elastic_ ? at_.restitution[contacts[i]] : 0;
     problem_.law[i] = static_cast<ImpactLaw>(model.contacts[contacts[i]].law);
@@ -160,6 +161,8 @@ bool Impact::apply(double time, double *state, const std::vector<int> &contacts,
   assemble(time, state, contacts);
   const FrozenResult &result = follow(forced);
   breakpoints_ = result.breakpointCount;
+  isUnbounded_ = result.status == FrozenStatus::Unbounded;
+  leavesApproach_ = result.leavesApproach;
   if (result.status != FrozenStatus::Finished) {
     std::string names;
     for (int row : result.rows)

@@ -22,6 +22,8 @@ public:
   // Whether the impacts that follow have restitution.
   void setElastic(bool elastic) { elastic_ = elastic; }
   [[nodiscard]] bool isElastic() const { return elastic_; }
+  // Contacts (ascending) whose gap rate counts as zero in the impacts that follow.
+  void setGrazing(const std::vector<int> &contacts) { grazing_ = contacts; }
   // Of the contacts `touching` (closed gaps) those that an impact of the ones `approaching` reaches, which are some of them. The reference
   // is valid until the next call.
   const std::vector<int> &reached(double time, const double *state, const std::vector<int> &touching, const std::vector<int> &approaching);
@@ -33,6 +35,10 @@ public:
   [[nodiscard]] int starter() const { return starter_; }
 
   [[nodiscard]] const std::string &text() const { return text_; }
+  // The last impact has no end because contacts approach one another that no impulse can part.
+  [[nodiscard]] bool isUnbounded() const { return isUnbounded_; }
+  // The last impact has ended with contacts that no impulse can part and that approach, slowly.
+  [[nodiscard]] bool leavesApproach() const { return leavesApproach_; }
   // Work that moving boundaries and time-dependent constraints did in the last impact, where it is measured.
   [[nodiscard]] double boundaryWork() const { return boundaryWork_; }
   void measureWork(bool measures) { measuresWork_ = measures; }
@@ -60,9 +66,9 @@ private:
   FrozenPhase phase_;
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;
-  std::vector<int> tangents_;
+  std::vector<int> tangents_, grazing_;
   std::string text_;
-  bool elastic_ = true, measuresWork_ = false;
+  bool elastic_ = true, measuresWork_ = false, isUnbounded_ = false, leavesApproach_ = false;
   int breakpoints_ = 0, starter_ = -1;
   double boundaryWork_ = 0, worstResidual_ = 0;
   std::vector<double> impulse_, multiplier_;

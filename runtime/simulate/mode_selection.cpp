@@ -9,10 +9,17 @@
 
 namespace tf::runtime {
 
+namespace {
+
+// Gaps of contacts that graze may be below zero by this, times the contact's nominal: rounding; and of those that no impulse can part.
+constexpr double deepestGrazing = 1e-12, deepestJam = 1e-10;
+
+}  // namespace
+
 ModeSelection::ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances)
     : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), contactOf_(contactsOfTangents(at_.model())),
       roles_(rolesOfTangents(at_.model())), candidates_(at_.model().nc), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()),
-      freeAcceleration_(at_.model().nv) {}
+      freeAcceleration_(at_.model().nv), grazingSpeed_(at_.model().nc) {}
 
 double ModeSelection::velocityTolerance(const double *state) const {
   const tf_model &model = at_.model();
@@ -35,6 +42,7 @@ void ModeSelection::listTouching(const double *state) {
   const tf_model &model = at_.model();
   touching_.clear();
   approaching_.clear();
+  grazing_.clear();
   for (int i = 0; i < model.nc; ++i)
     if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal)
       touching_.push_back(i);
@@ -43,6 +51,53 @@ void ModeSelection::listTouching(const double *state) {
   const double tolerance = velocityTolerance(state);
   std::copy_if(touching_.begin(), touching_.end(), std::back_inserter(approaching_),
                [this, tolerance](int i) { return at_.gapRate[i] < -tolerance; });
+  if (!approaching_.empty())
+    removeGrazing();
+}
+
+// A body that falls between two others into a place that it just fits touches them all the way down, but for rounding: their gaps are
+// quadratic in its height. An impact would hold it there like a toggle lever, by any force. Accelerations are those of the last evaluation.
+void ModeSelection::removeGrazing() {
+  // Faster approaches do not turn round within the tolerance.
+  constexpr double fast = 1e-3, hardly = 2;
+  const tf_model &model = at_.model();
+  if (std::none_of(approaching_.begin(), approaching_.end(), [&](int i) { return at_.gapRate[i] > -fast; }))
+    return;
+  slowMask_.assign(model.nc + model.nf, 0);
+  for (const int i : approaching_)
+    slowMask_[i] = at_.gapRate[i] > -fast ? 1 : 0;
+  at_.contactTerms(slowMask_.data());
+  std::copy_if(approaching_.begin(), approaching_.end(), std::back_inserter(grazing_), [&](int i) {
+    const double nominal = model.contacts[i].nominal, least = at_.gap[i] + deepestGrazing * nominal, rate = at_.gapRate[i];
+    if (!slowMask_[i])
+      return false;
+    if (-rate <= hardly * grazingSpeed_[i] && at_.gap[i] >= -deepestJam * nominal)
+      return true;
+    if (!(least >= 0))
+      return false;
+    const double *row = at_.normal.data() + static_cast<std::ptrdiff_t>(i) * model.nv;
+    double acceleration = at_.normalBias[i];
+    for (int k = 0; k < model.nv; ++k)
+      acceleration += row[k] * at_.acceleration[k];
+    return acceleration > 0 && rate * rate <= 2 * acceleration * least;
+  });
+  if (!grazing_.empty())
+    approaching_.erase(std::remove_if(approaching_.begin(), approaching_.end(),
+                                      [this](int i) { return std::binary_search(grazing_.begin(), grazing_.end(), i); }),
+                       approaching_.end());
+}
+
+bool ModeSelection::letGraze(const double *state) {
+  constexpr double slow = 1e-6;
+  const tf_model &model = at_.model();
+  const double fastest = slow / tolerances_.velocity * velocityTolerance(state);
+  const bool mayGraze = std::all_of(approaching_.begin(), approaching_.end(), [&](int i) {
+    return at_.gapRate[i] >= -fastest && at_.gap[i] >= -deepestJam * model.contacts[i].nominal;
+  });
+  for (const int i : approaching_)
+    if (mayGraze)
+      grazingSpeed_[i] = -at_.gapRate[i];
+  return mayGraze;
 }
 
 // Gaps, slips and constraints may depend on switches of time, whose conditions may depend on other switches in turn.
@@ -251,6 +306,9 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   system_.gather(at_);
   system_.respond(at_);
   system_.setBias(at_, freeAcceleration_.data());
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if (const double bias = problem_.bias[problem_.normalCount + j]; problem_.slipSign[j] == 0 && bias != 0 && problem_.isInert(j))
+      problem_.slipSign[j] = bias > 0 ? 1 : -1;
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, readForces());
   if (solution.status == ContactStatus::Inconsistent) {
     forced_ = rows_.contacts()[solution.forced];
@@ -288,6 +346,10 @@ void ModeSelection::settleForces(const ContactSolution &solution) {
   settled_.normal.assign(at_.normalForce.size(), 0.0);
   settled_.tangent.assign(at_.tangentForce.size(), 0.0);
   settledForces_ = solution.forces;
+  settled_.scale = 0;
+  for (int i = 0; i < problem_.normalCount; ++i)
+    if (const double response = problem_.delassus(i, i); response > 0)
+      settled_.scale = std::max(settled_.scale, solution.scale / std::sqrt(response));
   for (const int row : solution.degenerate)
     if (row < problem_.normalCount)
       settledForces_[row] = 0;

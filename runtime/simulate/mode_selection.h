@@ -58,9 +58,14 @@ public:
 
   // Finds touching() and approaching() at the state.
   void findTouching(double time, const double *state);
-  // Contacts with gap ≤ tolerance; of these, those whose gap rate is below −tolerance.
+  // Contacts with gap ≤ tolerance; of these, those whose gap rate is below −tolerance, but for those that graze: as they move they part
+  // again before the gap is below zero by more than rounding.
   [[nodiscard]] const std::vector<int> &touching() const { return touching_; }
   [[nodiscard]] const std::vector<int> &approaching() const { return approaching_; }
+  [[nodiscard]] const std::vector<int> &grazing() const { return grazing_; }
+  // The contacts in approaching(), which no impulse can part, graze as long as they are hardly faster and their gaps are hardly below zero.
+  // False: they already are further below, or not all approach slowly.
+  bool letGraze(const double *state);
   [[nodiscard]] double velocityTolerance(const double *state) const;
   [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
   [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }
@@ -78,6 +83,7 @@ private:
   };
 
   void listTouching(const double *state);
+  void removeGrazing();
   Trial tryAssignments(double time, const double *state);
   void settleForces(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
@@ -108,14 +114,16 @@ private:
   ContactSolution undecided_;
   Selection selection_;
   Mode mode_, found_, heldMode_;
-  std::vector<int> touching_, approaching_;
+  std::vector<int> touching_, approaching_, grazing_;
   std::vector<int> contacts_, tangents_;                                // of the problem
   std::vector<int> surfaces_;                                           // switches on their surfaces
   std::vector<Choices> choices_;                                        // of each, in order of preference
   std::vector<int> contactOf_;                                          // nt, see contactsOfTangents
   std::vector<TangentRole> roles_;                                      // nt
   std::vector<std::uint8_t> candidates_, mask_, surfaceMask_, ofTime_;  // nc; nc + nf; ns; ns
+  std::vector<std::uint8_t> slowMask_;                                  // nc + nf
   std::vector<double> rate_, freeAcceleration_, guess_, settledForces_;
+  std::vector<double> grazingSpeed_;  // nc: of letGraze
   SettledForces settled_;
   bool isSettled_ = false;  // forces of the contact problem solved last
   int forced_ = -1;

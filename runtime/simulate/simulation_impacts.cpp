@@ -11,6 +11,7 @@ namespace tf::runtime {
 tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
   if (forced >= 0)
     selection_.findTouching(time_, state_.data());
+  impact_.setGrazing(selection_.grazing());
   const std::vector<int> &approaching = frozenApproaching_ = selection_.approaching();
   const std::vector<int> &contacts = frozenContacts_ =
       forced >= 0 ? selection_.touching() : impact_.reached(time_, state_.data(), selection_.touching(), approaching);
@@ -38,8 +39,11 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
     if (!sensitivities_->propagate(impact, time_, state_.data()))
       return failSensitivities("the impact");
   }
-  if (!impact_.apply(time_, state_.data(), contacts, starters, impulse_.data()))
+  if (!impact_.apply(time_, state_.data(), contacts, starters, impulse_.data())) {
+    if (impact_.isUnbounded() && forced < 0 && selection_.letGraze(state_.data()))
+      return TF_OK;
     return failAt(impact_.text());
+  }
   if (impact_.starter() >= 0)
     transitions.push_back({TF_EVENT_PAINLEVE, impact_.starter()});
   ++statistics_.frozen_phases;
@@ -51,6 +55,10 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
     return stopped;
   if (energy_)
     energy_->addImpact(time_, incoming_.data(), state_.data(), impact_.boundaryWork());
+  if (impact_.leavesApproach()) {
+    selection_.findTouching(time_, state_.data());
+    selection_.letGraze(state_.data());
+  }
   for (int i : approaching)
     transitions.push_back({TF_EVENT_IMPACT, i});
   return TF_OK;

@@ -95,6 +95,15 @@ end Pile;
                      count, pairs.count, pairs.first, pairs.second);
 }
 
+// The same discs, which fall one above the other, by turns at the middle and at the right.
+std::string columnsOfDiscs(int count) {
+  std::string text = pileOfDiscs(count);
+  const std::string starts = "start = ", end = "for k in 1:n}";
+  const std::size_t begin = text.find(starts) + starts.size();
+  text.replace(begin, text.find(end) - begin, "{{-0.2 + 0.2*w*mod(k - 1, 2) + 0.01*div(k - 1, 2), 0.15 + 0.25*(k - 1)} ");
+  return text;
+}
+
 double fastest(const CompiledModel &model) {
   double speed = 0;
   for (const double v : model.valuesOf(TF_KIND_VELOCITY))
@@ -188,6 +197,22 @@ TEST(Piles, FifteenDiscsComeToRestAfterAModerateNumberOfImpacts) {
   CompiledModel model(sourceFile("fifteen_discs.tf", pileOfDiscs(15)));
   expectRest(model, 15, 15, 1e-4, 1e-6);
   EXPECT_LT(tf_get_statistics(model.simulation())->frozen_phases, 5000);
+}
+
+// Boxes as wide as three or four discs: a disc that falls into a place that it just fits touches both neighbours all the way down, but for
+// rounding, and rows from wall to wall have velocities of approach that no impulse can end.
+TEST(Piles, DiscsThatJustFitTheirBoxNeitherJamNorPenetrate) {
+  for (const int discs : {4, 5})
+    for (const double halfWidth : {0.3, 0.4})
+      for (const double restitution : {0.0, 0.3, 0.6}) {
+        CompiledModel model(sourceFile("fitting_discs" + std::to_string(discs) + ".tf", columnsOfDiscs(discs)),
+                            {{"w", halfWidth}, {"mu", 0}, {"e", restitution}});
+        ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+        ASSERT_NO_THROW(model.tolerance(1e-6).run(2)) << discs << " in " << halfWidth << ", restitution " << restitution;
+        const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+        EXPECT_GE(statistics.worst_gap, -1e-9);
+        EXPECT_LT(statistics.worst_energy_error, 1e-7);
+      }
 }
 
 }  // namespace

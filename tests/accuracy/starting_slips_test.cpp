@@ -172,5 +172,55 @@ end BlockOnShaker;
                  {0.5656854249492381, 2, 0.0098813176027128, -0.024315388137156644, 0.052690302655779564, 0.29535204583798785});
 }
 
+// The tips of rods slide along the next ones; where these are parallel the slip is zero, and so is its gradient: no friction can hold it,
+// and its sign changes. Forces and velocities are continuous there: against the motion without any event, friction in closed form of the
+// state.
+TEST(StartingSlips, ASlipWhoseGradientVanishesGoesOnReversed) {
+  const std::string file = sourceFile("parallel_rods.tf", R"(
+model ParallelRods
+  parameter Real w0 = 4, mu = 0.2, H = 0.1, d = 0.04, t = 0.008, M = 0.02;
+  parameter Real a2 = 1.1761343964033404, a3 = 1.0605039332605757, r2 = 1.5879576302231901, r3 = 1.5417518033353463;
+  coordinate Real a[3](start = {1.25, a2, a3}, der(start = {w0, w0*r2, w0*r2*r3}));
+  body b[3](each inertia = 1.7e-4, angle = a);
+  force f(value = M, at = a[1]);
+  contact hit[2](gap = {H*sin(a[i + 1] - a[i]) + d*cos(a[i + 1]) - t for i in 1:2},
+                 slip = {H*sin(a[i + 1] - a[i])*der(a[i]) for i in 1:2}, each friction = mu);
+end ParallelRods;
+)");
+  // Both contacts bear all the way, so that they are constraints, with the forces and their friction as multipliers.
+  const std::string smooth = sourceFile("parallel_rods_held.tf", R"(
+model ParallelRodsHeld
+  parameter Real w0 = 4, mu = 0.2, H = 0.1, d = 0.04, t = 0.008, M = 0.02, J = 1.7e-4;
+  parameter Real a2 = 1.1761343964033404, a3 = 1.0605039332605757, r2 = 1.5879576302231901, r3 = 1.5417518033353463;
+  Real a[3](start = {1.25, a2, a3}), w[3](start = {w0, w0*r2, w0*r2*r3});
+  Real D[2] = {a[i + 1] - a[i] for i in 1:2}, c[2] = {H*cos(D[i]) for i in 1:2}, s[2] = {H*sin(D[i]) for i in 1:2};
+  Real e[2] = {c[i] - d*sin(a[i + 1]) for i in 1:2};
+  // gap' = e w[i + 1] - c w[i]; gap'' = e w'[i + 1] - c w'[i] - b. The friction on a[i] is -mu N |s| sign(w[i]).
+  Real b[2] = {s[i]*(w[i + 1] - w[i])^2 + d*cos(a[i + 1])*w[i + 1]^2 for i in 1:2};
+  Real p[2] = {c[i] + mu*abs(s[i]) for i in 1:2};
+  // J w'[1] = M - p[1] N[1], J w'[2] = e[1] N[1] - p[2] N[2], J w'[3] = e[2] N[2]
+  Real A11 = e[1]^2 + c[1]*p[1], A12 = -e[1]*p[2], A21 = -c[2]*e[1], A22 = e[2]^2 + c[2]*p[2], B1 = J*b[1] + c[1]*M, B2 = J*b[2];
+  Real N[2] = {A22*B1 - A12*B2, A11*B2 - A21*B1}/(A11*A22 - A12*A21);
+equation
+  der(a) = w;
+  der(w) = {M - p[1]*N[1], e[1]*N[1] - p[2]*N[2], e[2]*N[2]}/J;
+end ParallelRodsHeld;
+)");
+  for (const double mu : {0.05, 0.2, 0.5})
+    for (const double speed : {1.3, 1.6666666666666667, 2.0, 3.0}) {
+      CompiledModel reference(smooth, {{"mu", mu}, {"w0", speed}});
+      reference.tolerance(1e-11).run(0.1);
+      ASSERT_GT(std::min(reference["N[1]"], reference["N[2]"]), 0);
+      for (const tf_integrator integrator : integrators)
+        for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+          CompiledModel model(file, {{"mu", mu}, {"w0", speed}});
+          model.tolerance(tolerance).integrator(integrator).run(0.1);
+          EXPECT_EQ(model.events().size(), 2U) << mu << " " << speed << " " << tolerance;
+          for (int i = 1; i <= 3; ++i)
+            EXPECT_NEAR(model["der(a[" + std::to_string(i) + "])"], reference["w[" + std::to_string(i) + "]"], 100 * tolerance);
+        }
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
