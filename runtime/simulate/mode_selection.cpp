@@ -346,10 +346,12 @@ void ModeSelection::settleForces(const ContactSolution &solution) {
   settled_.normal.assign(at_.normalForce.size(), 0.0);
   settled_.tangent.assign(at_.tangentForce.size(), 0.0);
   settledForces_ = solution.forces;
+  // Forces that hold accelerations of several rows are some times larger than those that hold one.
+  const double several = problem_.hasDisks() || solution.redundant ? 1 : 3;
   settled_.scale = 0;
   for (int i = 0; i < problem_.normalCount; ++i)
     if (const double response = problem_.delassus(i, i); response > 0)
-      settled_.scale = std::max(settled_.scale, solution.scale / std::sqrt(response));
+      settled_.scale = std::max(settled_.scale, several * solution.scale / std::sqrt(response));
   for (const int row : solution.degenerate)
     if (row < problem_.normalCount)
       settledForces_[row] = 0;

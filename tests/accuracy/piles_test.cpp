@@ -216,4 +216,29 @@ TEST(Piles, DiscsThatJustFitTheirBoxNeitherJamNorPenetrate) {
 }
 
 }  // namespace
+// A groove that locks the disc by friction: it bounces from side to side, lower and lower, and rests on both of them, R/cos a above the
+// edge.
+TEST(Piles, ADiscInAGrooveComesToRest) {
+  const std::string file = sourceFile("groove.tf", R"(
+model Groove
+  parameter Real R = 0.05, m = 0.1, mu = 1.5, e = 0.3, a = 1.0, x0 = 0, fall = 0, spin = 0;
+  coordinate Real x(start = x0), y(start = 0.2, der(start = -fall)), phi(der(start = spin));
+  body d(mass = m, position = {x, y}, angle = phi, inertia = m*R^2/2);
+  gravity gr(acceleration = {0, -9.81});
+  contact left(gap = x*sin(a) + y*cos(a) - R, slip = der(x)*cos(a) - der(y)*sin(a) + R*der(phi), friction = mu, restitution = e);
+  contact right(gap = -x*sin(a) + y*cos(a) - R, slip = der(x)*cos(a) + der(y)*sin(a) + R*der(phi), friction = mu, restitution = e);
+end Groove;
+)");
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT})
+    for (const double tolerance : {1e-6, 1e-8, 1e-10})
+      for (const double x : {-0.005, -0.001, 0.002, 0.01})
+        for (const double speed : {0.0, 1.0}) {
+          CompiledModel model(file, {{"x0", x}, {"fall", speed}, {"spin", -5 * speed}});
+          ASSERT_NO_THROW(model.tolerance(tolerance).integrator(integrator).run(1.5)) << integrator << ", " << tolerance << ", " << x;
+          EXPECT_NEAR(model["y"], 0.05 / std::cos(1.0), 1e-9);
+          EXPECT_LT(fastest(model), 1e-9);
+          EXPECT_LT(model.events().size(), 1000U);
+        }
+}
+
 }  // namespace tf::test
