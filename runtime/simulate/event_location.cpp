@@ -40,14 +40,16 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
       effect = std::abs(value - before);
     }
     bracket.narrow(x, value < 0);
-    if (g.kind == GuardKind::Gap)
+    if (g.kind == GuardKind::Gap) {
       slope = dynamics_.model().gapRate[g.index];
-    // A gap that has just begun to open does so more slowly than a long step is wrong.
-    if (g.kind == GuardKind::Gap && value > 0 && slope >= 0) {
-      event.time = x;
-      return Location::Vanished;
-    } else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue))
+      // A gap that has just begun to open does so more slowly than a long step is wrong.
+      if (value > 0 && slope >= 0) {
+        event.time = x;
+        return Location::Vanished;
+      }
+    } else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue)) {
       slope = (value - previousValue) / (x - previous);
+    }
     previous = x;
     previousValue = value;
     const double way = slope < 0 ? -value / slope : std::numeric_limits<double>::infinity();

@@ -66,6 +66,8 @@ public:
   // The contacts in approaching(), which no impulse can part, graze as long as they are hardly faster and their gaps are hardly below zero.
   // False: they already are further below, or not all approach slowly.
   bool letGraze(const double *state);
+  // What letGraze has noted [nc]: no contacts with a run's start, and a part of what it is continued with.
+  [[nodiscard]] std::vector<double> &grazingSpeeds() { return grazingSpeed_; }
   [[nodiscard]] double velocityTolerance(const double *state) const;
   [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
   [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }

@@ -119,6 +119,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   statistics_ = {};
   dynamics_.resetStatistics();
   selection_.resetStatistics();
+  std::fill(selection_.grazingSpeeds().begin(), selection_.grazingSpeeds().end(), 0.0);
   impact_.resetStatistics();
   invariants_.start();
   redundancy_.start();
@@ -437,6 +438,7 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   field(&suggestedStep_, sizeof suggestedStep_);
   field(&switchTime_, sizeof switchTime_);
   field(&progress_, sizeof progress_);
+  vector(selection_.grazingSpeeds());
   field(&more.energy, sizeof more.energy);
   vector(more.impacts);
   vector(state_);
