@@ -57,7 +57,7 @@ TEST(OrderOfSteps, IsLowWhereOutputsEndThem) {
 }
 
 // The squares of the errors of a force that is all but zero are zero. Its whole impulse is s √π.
-TEST(OrderChoice, AForceThatGrowsOutOfNothingIsFollowed) {
+TEST(OrderOfSteps, AForceThatGrowsOutOfNothingIsFollowed) {
   CompiledModel model(sourceFile("pulse.tf", R"(
 model Pulse
   parameter Real s = 0.3;

@@ -214,7 +214,6 @@ TEST(Piles, DiscsThatJustFitTheirBoxNeitherJamNorPenetrate) {
     }
 }
 
-}  // namespace
 // A groove that locks the disc by friction: it bounces from side to side, lower and lower, and rests on both of them, R/cos a above the
 // edge.
 TEST(Piles, ADiscInAGrooveComesToRest) {
@@ -240,4 +239,5 @@ end Groove;
         }
 }
 
+}  // namespace
 }  // namespace tf::test

@@ -176,6 +176,24 @@ TEST(Spheres, FallIntoABox) {
   EXPECT_LT(statistics.worst_energy_error, 1e-7);
 }
 
+// Each rests at its own time, sqrt(2h/g) (1 + e)/(1 − e), while the others bounce on.
+TEST(Spheres, RestOneAfterTheOther) {
+  constexpr int count = 30;
+  constexpr double g = 9.81, e = 0.3;
+  CompiledModel model(sourceFile("resting_spheres.tf", R"(model RestingSpheres
+  constant Integer n = 30;
+  coordinate Real c[n, 3](start = {{k, 0, 0.1 + 0.03*k} for k in 1:n});
+  body ball[n](each mass = 1, position = c);
+  gravity weight(acceleration = {0, 0, -9.81});
+  contact floor[n](gap = c[:, 3], each restitution = 0.3);
+end RestingSpheres;
+)"));
+  model.tolerance(1e-8).run(1.5);
+  ASSERT_EQ(model.count(TF_EVENT_REST), count);
+  for (int k = 1; k <= count; ++k)
+    EXPECT_NEAR(model.eventTime(TF_EVENT_REST, k - 1), std::sqrt(2 * (0.1 + 0.03 * k) / g) * (1 + e) / (1 - e), 1e-7);
+}
+
 // Bounces of 1e-9 m, on a hard and on a soft floor, with the magnitudes of length and velocity as `nominal`: errors are relative to these.
 // The hard floor: fall for t1 = sqrt(2h/g), then y = e g t1 s − g s²/2. The soft one: oscillations, against a tight run.
 TEST(SmallMagnitudes, AreThoseThatTheToleranceIsRelativeTo) {
