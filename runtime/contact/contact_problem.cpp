@@ -13,9 +13,8 @@ void ContactRows::resize(int normals, int tangents) {
 }
 
 bool ContactProblem::isInert(int j) const {
-  constexpr double vanishing = 1e-18;  // square of the gradient's length, relative to that of the gap's
   const int row = normalCount + j;
-  return owner[j] >= 0 && partner[j] < 0 && delassus(row, row) <= vanishing * delassus(owner[j], owner[j]);
+  return owner[j] >= 0 && partner[j] < 0 && isInertSlip(delassus(row, row), delassus(owner[j], owner[j]));
 }
 
 bool ContactRows::hasDisks() const {

@@ -19,6 +19,13 @@
 
 namespace tf::runtime {
 
+// Whether a slip hardly depends on any velocity (its gradient vanishes at the point), from the diagonal of D in its row and in the normal
+// row of its contact: no force that friction may have changes its acceleration.
+[[nodiscard]] constexpr bool isInertSlip(double ownResponse, double normalResponse) {
+  constexpr double vanishing = 1e-18;
+  return ownResponse <= vanishing * normalResponse;
+}
+
 // Which rows there are and what their friction is.
 struct ContactRows {
   int normalCount = 0;           // n
@@ -46,8 +53,7 @@ struct ContactProblem : ContactRows {
 
   // D and φ are zero afterwards.
   void resize(int normals, int tangents);
-  // The slip of tangential row j, alone in its direction, hardly depends on any velocity (its gradient vanishes at the point): no force
-  // that friction may have changes its acceleration.
+  // isInertSlip of tangential row j, the slip's only one.
   [[nodiscard]] bool isInert(int j) const;
   // Turns the frame of the pair that begins with tangential row j: the new first row is c·first + s·second, c² + s² = 1.
   void turnPair(int j, double c, double s);

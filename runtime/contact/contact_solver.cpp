@@ -187,13 +187,12 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   if (!solution.redundant)
     return true;
   ++statistics.redundant;
-  if (set->solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved) {
-    solution.redundant = !set->solveNearlySingular(problem, settings.degeneracy);
-    if (!solution.redundant)
-      return true;
-    if (set->solveNearest(problem, solution.forces, settings.degeneracy) != LeastNorm::Status::Solved)
-      return false;
-  }
+  if (set->solveLeastNorm(problem, settings.degeneracy) != LeastNorm::Status::Solved &&
+      !set->solveNearlyDependent(problem, &solution.forces, settings.degeneracy))
+    return false;
+  solution.redundant = set->isSingular();
+  if (!solution.redundant)
+    return true;
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
   forcesFound = solution.forces;

@@ -127,8 +127,8 @@ bool ForceSet::solveRegular(const ContactProblem &problem) {
   return true;
 }
 
-bool ForceSet::solveNearlySingular(const ContactProblem &problem, double tolerance) {
-  if (conic_ || !solveRegular(problem))
+bool ForceSet::solveUnique(const ContactProblem &problem, double tolerance) {
+  if (!solveRegular(problem))
     return false;
   double largestForce = 0, largestBias = 0;
   for (const double force : forces_)
@@ -139,23 +139,24 @@ bool ForceSet::solveNearlySingular(const ContactProblem &problem, double toleran
   for (const int row : equations_.active())
     largestBias = std::max(largestBias, std::abs(rows_.bias[row]));
   const int count = rows_.normalCount + rows_.tangentCount;
-  for (const int row : equations_.active())
-    if (!(std::abs(rows_.bias[row] + denseDot(rows_.delassus->column(row), forces_.data(), count)) <= redundantResidual * largestBias))
-      return false;
-  singular_ = false;
-  return true;
+  return std::all_of(equations_.active().begin(), equations_.active().end(), [&](int row) {
+    return std::abs(rows_.bias[row] + denseDot(rows_.delassus->column(row), forces_.data(), count)) <= redundantResidual * largestBias;
+  });
 }
 
-LeastNorm::Status ForceSet::solveNearest(const ContactProblem &problem, const std::vector<double> &forces, double tolerance) {
+bool ForceSet::solveNearlyDependent(const ContactProblem &problem, const std::vector<double> *known, double tolerance) {
   if (conic_)
-    return LeastNorm::Status::Contradictory;
+    return false;
+  singular_ = !solveUnique(problem, tolerance);
+  if (!singular_ || known == nullptr)
+    return !singular_;
   reference_.clear();
   for (const int row : equations_.active())
-    reference_.push_back(forces[row]);
-  const LeastNorm::Status status = solveLeastNorm(problem, tolerance);
-  if (status != LeastNorm::Status::Solved)
+    reference_.push_back((*known)[row]);
+  const bool isFound = solveLeastNorm(problem, tolerance) == LeastNorm::Status::Solved;
+  if (!isFound)
     reference_.clear();
-  return status;
+  return isFound;
 }
 
 // A ẋ = −(accelerationRate + D ḃ) with ḃ = −s limitRate on the slipping rows: the same equations with other data.

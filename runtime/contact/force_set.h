@@ -46,10 +46,6 @@ public:
 
   // The unique force; false where the matrix is singular. Results in forces(), accelerations().
   bool solveRegular(const ContactProblem &problem);
-  // Of rows that are taken for redundant although they only nearly depend on one another, as those of a wedge that is nearly flat: the
-  // unique force, to be used where there is no least-norm one. False: it is none either, or none within the limits, to `tolerance` of the
-  // largest force. From then on the rows are not redundant.
-  bool solveNearlySingular(const ContactProblem &problem, double tolerance);
   // The matrix of the last solveRegular.
   [[nodiscard]] const LuFactor &factor() const { return factor_; }
   // Directional derivative after solveRegular, or after solveLeastNorm or solveActive, see ModeForces::forceRates.
@@ -69,9 +65,10 @@ public:
     leastNormTolerance_ = status == LeastNorm::Status::Solved ? tolerance : std::numeric_limits<double>::infinity();
     return status;
   }
-  // As solveLeastNorm, of what the forces differ by from these (n + m) of the same problem, which the search has found otherwise: of rows
-  // that nearly depend on one another the least-norm ones may be too large to be told from none. Polyhedra only.
-  LeastNorm::Status solveNearest(const ContactProblem &problem, const std::vector<double> &forces, double tolerance);
+  // Where there is no least-norm force, of rows of a polyhedron that nearly depend on one another, as those of a wedge that is nearly flat:
+  // the unique force if there is one within the limits, to `tolerance` of the largest force (the rows are not singular from then on); else
+  // the one nearest to `known` (n + m, may be null: none), forces of the same problem that have been found otherwise. False: neither.
+  bool solveNearlyDependent(const ContactProblem &problem, const std::vector<double> *known, double tolerance);
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
   // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force
@@ -111,6 +108,7 @@ public:
 
 private:
   void view(const ContactProblem &problem);
+  bool solveUnique(const ContactProblem &problem, double tolerance);
   LeastNorm::Status solveConic(const ContactProblem &problem, double tolerance);
   LeastNorm::Status solvePolyhedron(const ContactProblem &problem, double tolerance);
   void loadPolyhedron(LeastNorm &polyhedron);

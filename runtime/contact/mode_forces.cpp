@@ -105,9 +105,8 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, s
   if (w.redundant) {
     valid = w.set->hasLeastNorm(feasibility) || w.set->solveLeastNorm(problem, feasibility) == LeastNorm::Status::Solved ||
             w.set->solveLeastNorm(problem, coarseFeasibility) == LeastNorm::Status::Solved ||
-            (known != nullptr && w.set->solveNearest(problem, *known, feasibility) == LeastNorm::Status::Solved);
-    w.redundant = valid || !w.set->solveNearlySingular(problem, feasibility);
-    valid = valid || !w.redundant;
+            w.set->solveNearlyDependent(problem, known, feasibility);
+    w.redundant = w.set->isSingular();
   } else {
     valid = w.set->solveRegular(problem);
   }

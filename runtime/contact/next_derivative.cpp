@@ -12,19 +12,6 @@ double metricOf(const ContactProblem &problem, int row) {
   return diagonal > 0 ? std::sqrt(diagonal) : 1.0;
 }
 
-// The size of the forces that hold, and of what they have to, in the metric of D.
-double magnitudeOf(const ContactProblem &problem, const ContactSolution &solution) {
-  double magnitude = 0;
-  for (int r = 0; r < problem.count(); ++r) {
-    const double metric = metricOf(problem, r), weight = r < problem.normalCount ? 1 : PlanarFrictionProblem::freeWeight;
-    magnitude = std::max({magnitude, weight * std::abs(problem.bias[r]) / metric, std::abs(solution.forces[r]) * metric});
-  }
-  for (int j = 0; j < problem.tangentCount; ++j)
-    if (problem.owner[j] < 0)
-      magnitude = std::max(magnitude, problem.bound[j] * metricOf(problem, problem.normalCount + j));
-  return magnitude;
-}
-
 }  // namespace
 
 void NextDerivative::pose(const ContactProblem &problem, const ContactRates &rates, double degeneracy, const ContactSolution &solution) {
@@ -43,9 +30,8 @@ void NextDerivative::pose(const ContactProblem &problem, const ContactRates &rat
     if (!solution.mode.closed[i])
       p.upper[i] = 0;
   }
-  const double magnitude = magnitudeOf(problem, solution);
   for (int j = 0; j < m; ++j)
-    poseTangent(problem, rates, solution, degeneracy * magnitude / metricOf(problem, n + j), j);
+    poseTangent(problem, rates, solution, degeneracy * solution.scale / metricOf(problem, n + j), j);
   dropDependent();
 }
 

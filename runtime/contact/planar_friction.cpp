@@ -1,5 +1,7 @@
 #include "runtime/contact/planar_friction.h"
 
+#include "runtime/contact/contact_problem.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,8 +13,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Matrices of modes with a smaller pivot are singular: the diagonal of D is scaled to 1.
 constexpr double singularMode = 1e-11;
-// Of the diagonal of D, relative to that of the contact's normal row: a slip that nothing moves.
-constexpr double inert = 1e-18;
 // Up to so many modes all are tried; above, an active set and pivoting come first, and all modes only where these find no solution.
 constexpr double enumerationLimit = 64, exhaustiveLimit = 20000;
 
@@ -51,10 +51,10 @@ void PlanarFrictionSolver::scale() {
   for (int r = 0; r < count; ++r) {
     const double diagonal = problem_.delassus(r, r);
     metric_[r] = diagonal > 0 ? std::sqrt(diagonal) : 1.0;
-    // Rows that move nothing, whose accelerations no force takes part in, are of no size of their own.
-    if (r >= n && problem_.tangentKind[r - n] == TangentKind::Slip && problem_.owner[r - n] >= 0 &&
-        diagonal <= inert * problem_.delassus(problem_.owner[r - n], problem_.owner[r - n]))
-      metric_[r] = metric_[problem_.owner[r - n]];
+    // Inert slips are of no size of their own.
+    if (const int owner = r >= n && problem_.tangentKind[r - n] == TangentKind::Slip ? problem_.owner[r - n] : -1;
+        owner >= 0 && isInertSlip(diagonal, problem_.delassus(owner, owner)))
+      metric_[r] = metric_[owner];
     scaled_.bias[r] = problem_.bias[r] / metric_[r];
     magnitude_ = std::max(magnitude_, std::abs(scaled_.bias[r]));
     solution_.scale = std::max(solution_.scale, problem_.weight(r) * std::abs(scaled_.bias[r]));

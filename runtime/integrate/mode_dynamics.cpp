@@ -230,11 +230,15 @@ bool ModeDynamics::solveForces() {
 bool ModeDynamics::solveRows(double *freeAcceleration) {
   completeRows();
   system_.setBias(at_, freeAcceleration);
-  std::vector<double> known;
-  if (settled_ != nullptr)
-    known = system_.settle(*settled_, contactMode_);
   isComplete_ = true;
-  return isBegun_ ? forces_.evaluate(problem_) : forces_.start(problem_, contactMode_, nullptr, settled_ != nullptr ? &known : nullptr);
+  return isBegun_ ? forces_.evaluate(problem_) : startForces(nullptr);
+}
+
+bool ModeDynamics::startForces(std::unique_ptr<ForceSet> *found) {
+  if (settled_ == nullptr)
+    return forces_.start(problem_, contactMode_, found);
+  const std::vector<double> known = system_.settle(*settled_, contactMode_);
+  return forces_.start(problem_, contactMode_, found, &known);
 }
 
 // What folded forces leave out at the point of the last evaluation: W Jᵀ and D, and the forces as a function of them.
@@ -374,10 +378,7 @@ bool ModeDynamics::evaluateSolved(double time, const double *state, const Solved
   at_.setPoint(time, state);
   isGathered_ = hasRows_ = true;
   watchFriction();
-  std::vector<double> known;
-  if (settled_ != nullptr)
-    known = system_.settle(*settled_, contactMode_);
-  if (!forces_.start(problem_, contactMode_, &solved.forces, settled_ != nullptr ? &known : nullptr))
+  if (!startForces(&solved.forces))
     return fail(EvaluationFailure::SingularContact);
   at_.acceleration = solved.freeAcceleration;
   rows_.accelerate(forces_.forces().data(), at_.acceleration.data());

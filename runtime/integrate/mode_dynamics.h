@@ -238,6 +238,7 @@ private:
   void watchFriction();
   bool solveForces();
   bool solveRows(double *freeAcceleration);
+  bool startForces(std::unique_ptr<ForceSet> *found);
   void completeRows();
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }

@@ -46,6 +46,8 @@ void ModeSelection::listTouching(const double *state) {
   for (int i = 0; i < model.nc; ++i)
     if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal)
       touching_.push_back(i);
+    else
+      grazingSpeed_[i] = 0;
   if (touching_.empty())
     return;
   const double tolerance = velocityTolerance(state);
@@ -287,6 +289,14 @@ const double *ModeSelection::readForces() {
   return guess_.data();
 }
 
+// Slips that are zero, and whose accelerations no force changes, go on to the side of these.
+void ModeSelection::startInertSlips(double still) {
+  for (int j = 0; j < problem_.tangentCount; ++j)
+    if (const double bias = problem_.bias[problem_.normalCount + j];
+        std::abs(at_.slip[rows_.tangents()[j]]) <= still && problem_.isInert(j))
+      problem_.slipSign[j] = bias > 0 ? 1 : bias < 0 ? -1 : 0;
+}
+
 // The contact mode for the current step variables.
 ModeSelection::Trial ModeSelection::solveContacts(double time, const double *state) {
   redundant_ = indeterminate_ = isSettled_ = false;
@@ -306,9 +316,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   system_.gather(at_);
   system_.respond(at_);
   system_.setBias(at_, freeAcceleration_.data());
-  for (int j = 0; j < problem_.tangentCount; ++j)
-    if (const double bias = problem_.bias[problem_.normalCount + j]; problem_.slipSign[j] == 0 && bias != 0 && problem_.isInert(j))
-      problem_.slipSign[j] = bias > 0 ? 1 : -1;
+  startInertSlips(velocityTolerance(state));
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, readForces());
   if (solution.status == ContactStatus::Inconsistent) {
     forced_ = rows_.contacts()[solution.forced];

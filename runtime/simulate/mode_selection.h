@@ -86,6 +86,7 @@ private:
 
   void listTouching(const double *state);
   void removeGrazing();
+  void startInertSlips(double still);
   Trial tryAssignments(double time, const double *state);
   void settleForces(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
