@@ -71,6 +71,10 @@ bool frictionVaries(const HybridSystem &system, const Contact &contact) {
   return contact.friction >= 0 && ir::dependsOn(system.graph, contact.friction, variesInARun);
 }
 
+bool dependsOnVelocity(const HybridSystem &system, const FrictionElement &friction) {
+  return ir::dependsOn(system.graph, friction.bound, [](ir::Symbol symbol) { return symbol.kind == ir::SymbolKind::Velocity; });
+}
+
 bool MassStructure::isFull() const {
   const std::size_t n = rows.size() - 1;
   return columns.size() == n * (n - (n > 0 ? 1 : 0)) / 2;

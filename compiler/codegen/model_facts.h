@@ -15,6 +15,8 @@ namespace tf::codegen {
 [[nodiscard]] bool flightIsUniform(const HybridSystem &system);
 // tf_contact::friction_varies.
 [[nodiscard]] bool frictionVaries(const HybridSystem &system, const Contact &contact);
+// tf_friction::bound_by_velocity.
+[[nodiscard]] bool dependsOnVelocity(const HybridSystem &system, const FrictionElement &friction);
 
 // Entries of M below the diagonal that may differ from zero: columns[rows[i]] … columns[rows[i + 1] − 1] of row i, ascending.
 struct MassStructure {

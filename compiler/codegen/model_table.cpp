@@ -98,7 +98,8 @@ llvm::Constant *frictions(const HybridSystem &system, TableBuilder &build) {
   Constants rows;
   for (const FrictionElement &friction : system.frictions)
     rows.push_back(build.structure({build.text(friction.name), build.integer(friction.tangentFirst), build.integer(friction.tangentCount),
-                                    build.integer(friction.frictionForm), build.location(friction.span)}));
+                                    build.integer(friction.frictionForm), build.location(friction.span),
+                                    build.integer(dependsOnVelocity(system, friction) ? 1 : 0)}));
   return build.table(rows, "frictions");
 }
 

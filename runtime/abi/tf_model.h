@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 11u
+#define TF_ABI_VERSION 12u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -152,6 +152,7 @@ typedef struct tf_friction { /* a friction element: tangential rows with a bound
   int32_t tangent_first, tangent_count;
   int32_t friction_form; /* enum tf_friction_form */
   tf_location location;
+  int32_t bound_by_velocity; /* 1: its bound depends on velocities, so that it may have a peak where the slip is zero */
 } tf_friction;
 
 typedef struct tf_constraint {

@@ -199,6 +199,18 @@ bool CvodeIntegrator::shorten(double time) {
   return dynamics_.evaluate(time, end_.data(), endRate_.data());
 }
 
+// By the defect of the polynomial at the end.
+bool CvodeIntegrator::isResolved() {
+  const Solver &s = *solver_;
+  if (CVodeGetDky(s.memory, endTime_, 1, s.derivative) != CV_SUCCESS)
+    return true;
+  const double *slope = N_VGetArrayPointer(s.derivative), length = endTime_ - beginTime_;
+  for (int i = 0; i < n_; ++i)
+    if (length * std::abs(endRate_[i] - slope[i]) > settings_.tolerance * std::max(settings_.scale[i], std::abs(end_[i])))
+      return false;
+  return true;
+}
+
 void CvodeIntegrator::interpolate(double time, double *state) {
   Solver &s = *solver_;
   if (CVodeGetDky(s.memory, time, 0, s.derivative) == CV_SUCCESS)

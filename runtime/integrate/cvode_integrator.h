@@ -15,6 +15,7 @@ public:
   void start(double time, const double *state, const double *rate, double firstStep) override;
   StepStatus step(double limit) override;
   bool shorten(double time) override;
+  bool isResolved() override;
   void interpolate(double time, double *state) override;
   void setCareful(bool careful) override;
   [[nodiscard]] double startingError() const override;

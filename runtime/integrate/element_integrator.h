@@ -8,6 +8,7 @@
 
 #include <limits>
 #include <memory>
+#include <span>
 
 namespace tf::runtime {
 
@@ -18,6 +19,7 @@ public:
   void start(double time, const double *state, const double *rate, double firstStep) override;
   StepStatus step(double limit) override;
   bool shorten(double time) override;
+  bool isResolved() override;
   bool moveInside(double time) override { return isUniform_ ? shorten(time) : SmoothIntegrator::moveInside(time); }
   void interpolate(double time, double *state) override;
   [[nodiscard]] bool isInterpolantDear() const override { return method().isInterpolantDear(); }
@@ -58,6 +60,9 @@ private:
   [[nodiscard]] double stepAccuracy() const;
   [[nodiscard]] double lengthBeyondEvent() const;
   bool solve(double h, double accuracy);
+  [[nodiscard]] bool watchesPeaks() const { return settings_.fixedStep <= 0 && !isUniform_ && dynamics_.frictionMayPeak(); }
+  double defectAt(double theta);
+  bool meetsPeak(std::span<const double> places);
   void adopt(double time);
   double initialStep(double limit);
   void updateScale();
@@ -68,8 +73,11 @@ private:
   bool isUniform_ = false;  // the last step is uniform_'s
   bool isHeld_ = false;     // at rest, as long as the mode lasts
   std::vector<double> scale_;
-  double next_ = 0;   // suggested length
-  double error_ = 0;  // of the last step, relative to the tolerance
+  double next_ = 0;            // suggested length
+  double error_ = 0;           // of the last step, relative to the tolerance
+  bool isShortened_ = false;   // the last step has been
+  double shortenedError_ = 0;  // then
+  double length_ = 0;          // of the last element that was solved
   double elementEnd_ = 0;
   bool first_ = true;
   bool moved_ = false;  // the end of the last step was accepted and is the next begin
@@ -78,7 +86,7 @@ private:
   static constexpr int mostChangingStarts = 4, startsPerLook = 8;
   int changingStarts_ = 0;
   int unstableSteps_ = 0, stableSteps_ = 0;
-  std::vector<double> trial_, trialRate_;
+  std::vector<double> trial_, trialRate_, slope_;
 };
 
 }  // namespace tf::runtime

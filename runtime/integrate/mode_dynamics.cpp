@@ -60,6 +60,9 @@ bool ModeDynamics::choose(const Mode &mode, double time, const double *state, co
     const int owner = problem_.owner[j];
     limitsVary_ = limitsVary_ || owner < 0 || model.contacts[contacts[owner]].friction_varies != 0;
   }
+  frictionMayPeak_ = std::any_of(model.frictions, model.frictions + model.nf, [&mode](const tf_friction &element) {
+    return element.bound_by_velocity != 0 && mode.tangent[element.tangent_first] != Tangent::None;
+  });
   slips_.choose(mode_, rows_, problem_, time, state);
   projection_.resize();
   nothingStops_.assign(tangents.size(), 0);

@@ -74,6 +74,8 @@ public:
   // the model is wrong.
   [[nodiscard]] bool metNegativeFriction() const { return metNegativeFriction_; }
   void forgetNegativeFriction() { metNegativeFriction_ = false; }
+  // Bounds of friction in the mode depend on velocities: they may have peaks where slips are zero.
+  [[nodiscard]] bool frictionMayPeak() const { return frictionMayPeak_; }
   // dt/dtau of the last evaluation.
   [[nodiscard]] double timeSpeed() const { return tauRate_ > 0 ? 1 / tauRate_ : 1; }
 
@@ -275,6 +277,7 @@ private:
   bool hasRows_ = false;     // D is that of the last evaluation too
   bool isComplete_ = false;  // and forces_
   bool limitsVary_ = false;  // coefficients and bounds of friction do, with more than parameters
+  bool frictionMayPeak_ = false;
   bool metNegativeFriction_ = false;
   double correction_ = 0;
   bool isProjected_ = false;  // projected_ is the point of the last evaluation, and its own projection

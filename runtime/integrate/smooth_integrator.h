@@ -44,6 +44,9 @@ public:
   virtual StepStatus step(double limit) = 0;
   // The last step again, from the same begin to `time` inside it (or barely beyond it), to full accuracy.
   virtual bool shorten(double time) = 0;
+  // The step that has been shortened is within the tolerance: at its end there is nothing that the step had passed unseen, as a peak of
+  // friction where a slip ends. The dynamics' last evaluation is at the end.
+  virtual bool isResolved() { return true; }
   // State inside the last step, or beyond its end by at most reach() of its length.
   virtual void interpolate(double time, double *state) = 0;
   // It evaluates the dynamics the next time.

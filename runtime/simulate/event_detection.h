@@ -128,6 +128,8 @@ private:
   // event_location.cpp
   bool endsNearby(DetectedEvent &event);
   bool moveInside(DetectedEvent &event);
+  bool isBetweenEnds(double time);
+  bool goesOnFrom(double base, double time);
   bool extend(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
   bool followInterpolant(int guard, double zero, double value, double slope, double base, DetectedEvent &event);
   bool nudge(int guard, double zero, double value, double slope, double base, DetectedEvent &event);

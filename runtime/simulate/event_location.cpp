@@ -149,13 +149,44 @@ bool EventDetection::moveInside(DetectedEvent &event) {
       if (g.kind == GuardKind::Gap && x + step > begin)
         x = std::min(x + step, event.high);
       event.time = x;
-      return integrator_->moveInside(x);
+      return (g.kind != GuardKind::Slip || isBetweenEnds(x)) && integrator_->moveInside(x);
     }
     x += isBefore ? std::max(step, 0.5 * resolution) : step;
     if (!(x > begin && x <= event.high))
       return false;
   }
   return false;
+}
+
+// Friction that depends on the slip may have a peak where this ends, which no evaluation of the step has met. Whether the rate at `time`,
+// in state_, lies between those at the ends of the step, within the tolerance of their effect.
+bool EventDetection::isBetweenEnds(double time) {
+  if (!dynamics_.frictionMayPeak())
+    return true;
+  if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
+    return false;
+  const IntegratorSettings &settings = integrator_->settings();
+  const double length = integrator_->endTime() - integrator_->beginTime(), theta = (time - integrator_->beginTime()) / length;
+  for (int i = 0; i < dynamics_.size(); ++i) {
+    const double expected = integrator_->beginRate()[i] + theta * (integrator_->endRate()[i] - integrator_->beginRate()[i]);
+    if (length * std::abs(scratch_[i] - expected) > settings.tolerance * std::max(settings.scale[i], std::abs(state_[i])))
+      return false;
+  }
+  return true;
+}
+
+// The same of a rate that goes on from the end of the step at `base`.
+bool EventDetection::goesOnFrom(double base, double time) {
+  if (!dynamics_.frictionMayPeak())
+    return true;
+  if (!dynamics_.evaluate(time, state_.data(), scratch_.data()))
+    return false;
+  const IntegratorSettings &settings = integrator_->settings();
+  for (int i = 0; i < dynamics_.size(); ++i)
+    if (std::abs((time - base) * (scratch_[i] - integrator_->endRate()[i])) >
+        settings.tolerance * std::max(settings.scale[i], std::abs(state_[i])))
+      return false;
+  return true;
 }
 
 // From the element's end at `base`, projected, along the interpolant to the zero nearby; the rate at the end stays that at `base`. False:
@@ -203,6 +234,8 @@ bool EventDetection::followInterpolant(int guard, double zero, double value, dou
     if (std::abs(step) <= 64 * resolution && std::abs(value) > 0.5 * std::abs(before))
       break;
   }
+  if (dynamics_.guards()[guard].kind == GuardKind::Slip && !goesOnFrom(base, x))
+    return false;
   if (x != base) {
     std::copy(state_.begin(), state_.end(), integrator_->end());
     integrator_->moveEnd(x);

@@ -143,7 +143,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     dynamics_.holdDirections(0);
     location = detection_.locate(event);
   }
-  if (location == EventDetection::Location::Unsolved)
+  if (location == EventDetection::Location::Unsolved ||
+      (location == EventDetection::Location::Found && !stops && !integrators_.current().isResolved()))
     return approach(event);
   if (location == EventDetection::Location::Vanished)
     return endStep(event.time - integrators_.current().beginTime());

@@ -113,7 +113,7 @@ tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
 }
 
 // Slips of two components that have just begun, or are about to end, may keep the equations of a step to the event from being solved: those
-// of a shorter one can be, and the next step has other directions to start from.
+// of a shorter one can be, and the next step has other directions to start from. So does what a step has passed unseen.
 tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();
   const double begin = integrator.beginTime();
@@ -122,7 +122,7 @@ tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
     length *= 0.5;
     if (begin + length <= begin)
       return failEvaluation();
-  } while (!integrator.shorten(begin + length));
+  } while (!integrator.shorten(begin + length) || !integrator.isResolved());
   return endStep(0.5 * length);
 }
 

@@ -89,6 +89,65 @@ TEST(VaryingFriction, HoldsABlockFromZeroOn) {
   EXPECT_NEAR(model["x"], 2.0 / 27, 1e-9);
 }
 
+// A mass under friction with a peak of width vs where its slip turns round, v = x' − A sin(ωt): v' = −sign(v) g(v) − A ω cos(ωt), which the
+// classical Runge–Kutta method follows in steps of 2 µs that end where v does.
+struct StribeckReference {
+  static constexpr double amplitude = 1, omega = 60, width = 0.02, end = 2, step = 2e-6;
+  double x = 0, v = 0, time = 0, side = -1;
+
+  [[nodiscard]] double acceleration(double t, double slip) const {
+    return -side * 9.81 * (0.1 + 0.2 * std::exp(-slip * slip / (width * width))) - amplitude * omega * std::cos(omega * t);
+  }
+  void advance(double h) {
+    const double k1 = acceleration(time, v), k2 = acceleration(time + h / 2, v + h / 2 * k1);
+    const double k3 = acceleration(time + h / 2, v + h / 2 * k2), k4 = acceleration(time + h, v + h * k3);
+    const double integral = h * v + h * h / 6 * (k1 + k2 + k3);
+    x += integral + amplitude / omega * (std::cos(omega * time) - std::cos(omega * (time + h)));
+    v += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+    time += h;
+  }
+  void run() {
+    while (time < end - 0.5 * step) {
+      const StribeckReference before = *this;
+      advance(step);
+      if (v * side >= 0)
+        continue;
+      // The zero by Newton's method.
+      double part = before.v / (before.v - v) * step;
+      for (int k = 0; k < 4; ++k) {
+        *this = before;
+        advance(part);
+        part -= v / acceleration(time, v);
+      }
+      v = 0;
+      side = -side;
+      advance(step - part);
+    }
+  }
+};
+
+TEST(VaryingFriction, MayHaveAPeakWhereTheSlipTurnsRound) {
+  StribeckReference reference;
+  reference.run();
+  const double speed = reference.v + std::sin(reference.omega * reference.end);
+  const std::string file = sourceFile("peak.tf", R"(model Peak
+  coordinate Real x;
+  body b(mass = 1, position = {x, 0});
+  friction f(slip = der(x) - sin(60*time), bound = 9.81*(0.1 + 0.2*exp(-((der(x) - sin(60*time))/0.02)^2)));
+end Peak;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-6, 1e-7, 1e-8, 1e-9}) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(tolerance));
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator).initialise();
+      for (int k = 1; k <= 200; ++k)
+        model.advance(0.01 * k);
+      EXPECT_NEAR(model["x"], reference.x, 10 * tolerance);
+      EXPECT_NEAR(model["der(x)"], speed, 10 * tolerance);
+    }
+}
+
 // Without a switch the model is wrong: the run ends where the coefficient passes zero.
 TEST(VaryingFriction, BelowZeroEndsTheRun) {
   for (const tf_integrator integrator : integrators) {

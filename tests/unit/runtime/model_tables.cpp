@@ -88,7 +88,7 @@ void ModelTables::contact(const std::string &name, int tangents) {
 }
 
 void ModelTables::friction(const std::string &name) {
-  frictions_.push_back({keep(name), model_.nt, 1, TF_FRICTION_EXACT, nextLocation(frictions_.size())});
+  frictions_.push_back({keep(name), model_.nt, 1, TF_FRICTION_EXACT, nextLocation(frictions_.size()), 0});
   variable({.name = name + ".slip", .kind = TF_KIND_SLIP, .index = model_.nt, .unit = "m/s"});
   variable({.name = name + ".force", .kind = TF_KIND_TANGENT_FORCE, .index = model_.nt, .unit = "N"});
   variable({.name = name + ".sticking", .kind = TF_KIND_STICKING, .index = model_.nt, .flags = TF_BOOLEAN});
