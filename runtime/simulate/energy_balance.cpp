@@ -70,15 +70,13 @@ void EnergyBalance::addImpact(double time, const double *before, const double *a
   totals_.passed += std::abs(boundaryWork) + std::abs(boundaryWork - change);
 }
 
-void EnergyBalance::addImpacts(double beginTime, const double *begin, double endTime, const double *end, double boundaryWork,
-                               double frictionWork) {
-  const Energy before = energyAt(beginTime, begin), after = energyAt(endTime, end);
-  const double work = boundaryWork + 0.5 * (before.power + after.power) * (endTime - beginTime);
+void EnergyBalance::addImpacts(double beginTime, const double *begin, double endTime, const double *end, double work, double frictionLoss) {
+  const double change = energyAt(endTime, end).mechanical() - energyAt(beginTime, begin).mechanical();
+  const double impactLoss = work - frictionLoss - change;
   totals_.work += work;
-  totals_.frictionLoss -= frictionWork;
-  const double loss = work + frictionWork - (after.mechanical() - before.mechanical());
-  totals_.impactLoss += loss;
-  totals_.passed += std::abs(work) + std::abs(frictionWork) + std::abs(loss);
+  totals_.frictionLoss += frictionLoss;
+  totals_.impactLoss += impactLoss;
+  totals_.passed += std::abs(work) + std::abs(frictionLoss) + std::abs(impactLoss);
 }
 
 double EnergyBalance::error(double time, const double *state) {

@@ -32,9 +32,8 @@ public:
   // Adds an impact from the velocities in `before` to those in `after`, with the work that moving boundaries did in it.
   void addImpact(double time, const double *before, const double *after, double boundaryWork);
 
-  // Adds infinitely many impacts between two points, with the work that moving boundaries did meanwhile and that of friction between the
-  // impacts (≤ 0).
-  void addImpacts(double beginTime, const double *begin, double endTime, const double *end, double boundaryWork, double frictionWork);
+  // Adds infinitely many impacts between two points, with the work that was done meanwhile and the loss by friction between the impacts.
+  void addImpacts(double beginTime, const double *begin, double endTime, const double *end, double work, double frictionLoss);
 
   [[nodiscard]] const EnergyTotals &totals() const { return totals_; }
   void restore(const EnergyTotals &totals) { totals_ = totals; }

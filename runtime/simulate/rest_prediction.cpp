@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace tf::runtime {
@@ -236,14 +237,28 @@ void RestPrediction::stopTouching(std::vector<double> &state) {
   rows_.accelerate(impulses.data(), state.data() + at_.model().nq);
 }
 
-// Impulse times velocity: that of the boundary is what J v lacks of the row's rate.
-void RestPrediction::measureWork(const AccumulationPoint &end, const double *velocities, RestPoint &point) const {
-  point.boundaryWork = point.frictionWork = 0;
+// Work is impulse times velocity: that of the boundary is what J v lacks of the row's rate.
+void RestPrediction::accumulate(const AccumulationPoint &end, const double *velocities, RestPoint &point) const {
+  const int nc = at_.model().nc;
+  point.accumulated.assign(nc + 2, 0.0);
+  for (int k = 0; k < rows_.normalCount(); ++k)
+    point.accumulated[rows_.contacts()[k]] = end.frozenImpulse[k];
+  double &work = point.accumulated[nc], &frictionLoss = point.accumulated[nc + 1];
   for (int r = 0; r < rows_.count(); ++r) {
-    point.boundaryWork += end.impulse[r] * (rows_.product(r, velocities) - problem_.velocity[r]);
+    work += end.impulse[r] * (rows_.product(r, velocities) - problem_.velocity[r]);
     if (r >= rows_.normalCount())
-      point.frictionWork += (end.impulse[r] - end.frozenImpulse[r]) * problem_.velocity[r];
+      frictionLoss -= (end.impulse[r] - end.frozenImpulse[r]) * problem_.velocity[r];
   }
+}
+
+// Of applied forces, to O(T²).
+double RestPrediction::appliedWork(double time, const double *state, const RestPoint &end) {
+  double kinetic = 0, potential = 0, before = 0, after = 0;
+  at_.setPoint(time, state);
+  at_.energies(kinetic, potential, before);
+  at_.setPoint(end.time, end.state.data());
+  at_.energies(kinetic, potential, after);
+  return 0.5 * (before + after) * (end.time - time);
 }
 
 // Where the sequence with constant coefficients leads: v' = W f + W Jᵀ λ with W, J and f constant; positions move with the mean velocity.
@@ -265,10 +280,7 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
     if (partner >= 0)
       point.sticking.push_back(rows_.tangents()[partner]);
   }
-  point.impulse.assign(model.nc, 0.0);
-  for (int k = 0; k < rows_.normalCount(); ++k)
-    point.impulse[rows_.contacts()[k]] = end.frozenImpulse[k];
-  measureWork(end, state + model.nq, point);
+  accumulate(end, state + model.nq, point);
   point.state.assign(state, state + dynamics_.size());
   std::fill(change_.begin(), change_.end(), 0.0);
   std::fill(moment_.begin(), moment_.end(), 0.0);
@@ -395,10 +407,28 @@ bool RestPrediction::extrapolate(double tolerance, const double *scale) {
   extrapolated_ = best;
   if (!agrees)
     return false;
-  point_ = predictions_.back().point;
+  const Prediction &last = predictions_.back();
+  point_ = last.point;
   point_.time = best[n];
   std::copy_n(best.begin(), n, point_.state.begin());
+  extrapolateTotals(last.totals);
   return true;
+}
+
+// Of what comes together until the point is reached, beyond what had done so when it was predicted last.
+void RestPrediction::extrapolateTotals(const std::vector<double> &last) {
+  const auto m = static_cast<Eigen::Index>(extrapolatedFrom_);
+  const Prediction *first = predictions_.data() + (predictions_.size() - extrapolatedFrom_);
+  Eigen::VectorXd x(m);
+  for (Eigen::Index k = 0; k < m; ++k)
+    x(k) = first[k].remaining;
+  const Eigen::VectorXd weights = extrapolationWeights(x);
+  for (std::size_t i = 0; i < last.size(); ++i) {
+    double total = 0;
+    for (Eigen::Index k = 0; k < m; ++k)
+      total += weights(k) * first[k].totals[i];
+    point_.accumulated[i] += total - last[i];
+  }
 }
 
 // Of (q, v, z) and time at the point extrapolated from the latest `predictions`, by each sensitivity: of the values and of the weights.
@@ -459,7 +489,8 @@ bool RestPrediction::nothingElseHappens() {
   return true;
 }
 
-const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Approach> &approaches, const double *state, double tolerance,
+const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Approach> &approaches, const double *state,
+                                             const std::vector<double> &accumulated, bool measuresWork, double tolerance,
                                              const double *scale, Sensitivities *sensitivities) {
   const double previousImpact = lastImpact_;
   if (!recordImpact(time, approaches))
@@ -474,6 +505,10 @@ const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Appr
     nextAttempt_ = time + wait_ * (time - previousImpact);
     return nullptr;
   }
+  if (measuresWork)
+    prediction.point.accumulated[at_.model().nc] += appliedWork(time, state, prediction.point);
+  prediction.totals.resize(accumulated.size());
+  std::ranges::transform(accumulated, prediction.point.accumulated, prediction.totals.begin(), std::plus());
   wait_ = shortestWait;
   nextAttempt_ = time + (1 - nextShare) * prediction.remaining;
   // Times are resolved to rounding, and speeds with them: those of so many impacts as are about the size of those that come add up like a

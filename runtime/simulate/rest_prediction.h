@@ -19,10 +19,10 @@ struct RestPoint {
   std::vector<double> state;        // q, v, z, tau, to the tolerance; the contacts' gaps and rates may be off by as much
   std::vector<int> contacts;        // of the model: those that come to rest, ascending
   std::vector<int> sticking;        // tangential rows of closed contacts whose slip is zero there
-  std::vector<double> impulse;      // nc: normal impulses of the impacts on the way
   std::vector<double> derivatives;  // of (q, v, z) and time by each sensitivity, where they are asked for
-  double boundaryWork = 0;          // of moving boundaries and of friction between the impacts, on the way, to O(T²)
-  double frictionWork = 0;
+  // What has come together on the way: normal impulses [nc] of the impacts, work of forces and moving boundaries, loss by friction between
+  // the impacts. The latter two where they are measured.
+  std::vector<double> accumulated;
 };
 
 // The speed at which a contact approaches before an impact.
@@ -40,11 +40,13 @@ public:
   // The forces have changed by a jump: earlier predictions are void.
   void restart();
 
-  // After an impact of these contacts at `time` that has led to `state`; the dynamics is in the mode that follows. The point of rest where
-  // it is known to `tolerance` (relative to max(scale, |y|), [n]), else null. The pointer is valid until the next call. `sensitivities`
-  // (may be null) are those along the impact, whose time moves; their point of rest must be known as well.
-  const RestPoint *afterImpact(double time, const std::vector<Approach> &approaches, const double *state, double tolerance,
-                               const double *scale, Sensitivities *sensitivities);
+  // After an impact of these contacts at `time` that has led to `state`; the dynamics is in the mode that follows. `accumulated` is as that
+  // of the point, since the run has begun. The point of rest where it is known to `tolerance` (relative to max(scale, |y|), [n]), else
+  // null. The pointer is valid until the next call. `sensitivities` (may be null) are those along the impact, whose time moves; their point
+  // of rest must be known as well.
+  const RestPoint *afterImpact(double time, const std::vector<Approach> &approaches, const double *state,
+                               const std::vector<double> &accumulated, bool measuresWork, double tolerance, const double *scale,
+                               Sensitivities *sensitivities);
 
   // The last impact of a contact was slow, compared with its fastest one, and its next one is still to be expected.
   [[nodiscard]] bool bouncesLow(double time) const;
@@ -61,6 +63,7 @@ private:
     double remaining = 0;  // T
     RestPoint point;
     std::vector<double> derivatives;  // of (q, v, z), time and T by each sensitivity
+    std::vector<double> totals;       // point.accumulated and what there was before
   };
 
   void forget();
@@ -72,7 +75,8 @@ private:
   void classify(const double *state);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);
-  void measureWork(const AccumulationPoint &end, const double *velocities, RestPoint &point) const;
+  void accumulate(const AccumulationPoint &end, const double *velocities, RestPoint &point) const;
+  double appliedWork(double time, const double *state, const RestPoint &end);
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
   bool predict(double time, const double *state, Prediction &prediction);
   bool predictWithChosen(double time, const double *state, Prediction &prediction);
@@ -80,6 +84,7 @@ private:
   [[nodiscard]] int longerPause() const;
   void add(Prediction prediction);
   bool extrapolate(double tolerance, const double *scale);
+  void extrapolateTotals(const std::vector<double> &last);
   [[nodiscard]] std::vector<double> extrapolatedDerivatives(std::size_t predictions, int columns) const;
   bool derivativesAgree(double tolerance, int columns);
   [[nodiscard]] bool isSlow() const;

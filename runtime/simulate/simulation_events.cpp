@@ -314,7 +314,10 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
 tf_status Simulation::Implementation::afterImpact(double limit) {
   if (sensitivities_)
     sensitivities_->reopenEvent(rate_.data());
-  const RestPoint *rest = rest_.afterImpact(time_, approaches_, state_.data(), owner_.options.tolerance,
+  accumulated_ = impulse_;
+  accumulated_.push_back(energy_ ? energy_->totals().work : 0);
+  accumulated_.push_back(energy_ ? energy_->totals().frictionLoss : 0);
+  const RestPoint *rest = rest_.afterImpact(time_, approaches_, state_.data(), accumulated_, energy_ != nullptr, owner_.options.tolerance,
                                             integrators_.current().settings().scale.data(), sensitivities_.get());
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());
@@ -366,7 +369,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     return TF_OK;
   }
   for (int i = 0; i < model_.nc; ++i)
-    impulse_[i] += point.impulse[i];
+    impulse_[i] += point.accumulated[i];
   if (sensitivities_) {
     const auto project = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
     sensitivities_->setEvent(point.derivatives.data());
@@ -374,7 +377,8 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
       return failSensitivities("infinitely many impacts");
   }
   if (energy_)
-    energy_->addImpacts(lastImpact, afterImpact_.data(), time_, state_.data(), point.boundaryWork, point.frictionWork);
+    energy_->addImpacts(lastImpact, afterImpact_.data(), time_, state_.data(), point.accumulated[model_.nc],
+                        point.accumulated[model_.nc + 1]);
   // The mode on the way need not have forces here any more: settle() finds those that follow.
   dynamics_.start(mode_, time_, state_.data());
   beginEvent();

@@ -103,6 +103,63 @@ end Hole;
   EXPECT_GT(statistics.worst_energy_error, 1e-7);
 }
 
+// A ball bounces on a floor a sin(ωt) until it rests there: what the bounces take, bounce by bounce until they take 1e-7 s, then by their
+// geometric sum.
+struct PaddleReference {
+  static constexpr double g = 9.81, a = 0.03, omega = 15, e = 0.6, height = 0.2;
+  double impulse = 0, impactLoss = 0, restTime = 0;
+
+  static double floor(double t) { return a * std::sin(omega * t); }
+  static double floorSpeed(double t) { return a * omega * std::cos(omega * t); }
+  PaddleReference() {
+    double time = 0, y = height, v = 0, flight = std::sqrt(2 * height / g);
+    for (int k = 0; k < 80; ++k) {
+      const double begin = time;
+      for (int pass = 0; pass < 60; ++pass) {
+        const double gap = y + v * flight - 0.5 * g * flight * flight - floor(begin + flight);
+        flight -= gap / (v - g * flight - floorSpeed(begin + flight));
+      }
+      time = begin + flight;
+      const double speed = v - g * flight, w = floorSpeed(time), relative = speed - w;
+      y = floor(time);
+      v = w - e * relative;
+      impulse += v - speed;
+      impactLoss += w * (v - speed) - 0.5 * (v * v - speed * speed);
+      // The next bounce, as if the floor kept its acceleration.
+      flight = 2 * (v - w) / (g - omega * omega * a * std::sin(omega * time));
+      if (flight < 1e-7) {
+        impulse += (1 + e) / (1 - e) * (v - w);
+        restTime = time + flight / (1 - e);
+        break;
+      }
+    }
+  }
+};
+
+TEST(EnergyBalance, OfInfinitelyManyImpactsOnAMovingFloorIsKnownToTheTolerance) {
+  const PaddleReference reference;
+  const std::string file = sourceFile("paddle.tf", R"(model Paddle
+  coordinate Real y(start = 0.2);
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -9.81});
+  contact c(gap = y - 0.03*sin(15*time), restitution = 0.6, law = ImpactLaw.Newton);
+end Paddle;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-5, 1e-7, 1e-9}) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(tolerance));
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator);
+      tf_set_energy_balance(model.simulation(), 1);
+      model.run(1.5);
+      ASSERT_EQ(model.count(TF_EVENT_REST), 1);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_REST), reference.restTime, 10 * tolerance);
+      EXPECT_NEAR(model["c.impulse"], reference.impulse, 10 * tolerance * reference.impulse);
+      EXPECT_NEAR(model["energy.impactLoss"], reference.impactLoss, 10 * tolerance);
+      EXPECT_NEAR(model["energy.work"], model.energy() - reference.g * reference.height + reference.impactLoss, 10 * tolerance);
+    }
+}
+
 // Errors add up with the energy that passes through a system which never holds much.
 TEST(EnergyBalance, IsRelativeToTheEnergyThatHasPassed) {
   CompiledModel model(sourceFile("rub.tf", R"(
