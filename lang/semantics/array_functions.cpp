@@ -104,10 +104,7 @@ ExprPtr filled(Typer &typer, const ExprPtr &value, const Arguments &sizes, std::
     typer.diagnostics().report(diag::ArrayTooLarge, span, kMaximumArraySize);
     return nullptr;
   }
-  if (total > 0 || value->kind == flat::ExprKind::Literal)
-    return broadcast(value, dims);
-  typer.diagnostics().report(diag::EmptyArray, span);
-  return nullptr;
+  return total > 0 ? broadcast(value, dims) : makeEmpty(value->type, dims, span);
 }
 
 ExprPtr typeZeros(Typer &typer, const Arguments &arguments, const ast::Expr &call) {
@@ -280,7 +277,7 @@ std::span<const BuiltinFunction> arrayFunctions() {
 ExprPtr foldArray(Typer &typer, Function function, const ExprPtr &array, Span span) {
   std::vector<ExprPtr> parts = scalars(array, span);
   if (parts.empty()) {
-    typer.diagnostics().report(diag::EmptyArray, span);
+    typer.diagnostics().report(diag::ExtremeOfNothing, span, function == Function::Min ? "min" : "max");
     return nullptr;
   }
   while (parts.size() > 1) {
@@ -309,11 +306,13 @@ ExprPtr sumOfArrays(Typer &typer, const std::vector<ExprPtr> &parts, bool isSum,
 ExprPtr typeReduction(Typer &typer, std::string_view name, const ast::Expr &call) {
   const ast::Expr &body = *call.operands[0];
   const bool isSum = name == "sum", isProduct = name == "product";
-  if (name == "array") {
+  const auto asArray = [&] {
     ast::Expr comprehension = call;
     comprehension.kind = ast::ExprKind::Array;
     return typer.type(comprehension);
-  }
+  };
+  if (name == "array")
+    return asArray();
   if (!isSum && !isProduct && name != "min" && name != "max") {
     typer.diagnostics().report(diag::NotAReduction, call.reference.span, name);
     return nullptr;
@@ -325,8 +324,13 @@ ExprPtr typeReduction(Typer &typer, std::string_view name, const ast::Expr &call
   });
   if (!isRight)
     return nullptr;
-  if (parts.empty())
-    return makeInteger(isProduct ? 1 : 0, call.span);
+  if (parts.empty()) {
+    const ExprPtr none = asArray();
+    if (none == nullptr || !(isSum || isProduct))
+      return none == nullptr ? nullptr : foldArray(typer, name == "min" ? Function::Min : Function::Max, none, call.span);
+    const auto iterators = static_cast<std::ptrdiff_t>(call.iterators.size());
+    return broadcast(makeInteger(isProduct ? 1 : 0, call.span), {none->type.dims.begin() + iterators, none->type.dims.end()});
+  }
   const ExprPtr all = makeArray(parts, call.span, typer.diagnostics());
   if (all == nullptr)
     return nullptr;

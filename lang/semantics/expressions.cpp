@@ -83,6 +83,11 @@ ExprPtr makeLiteral(Type type, std::vector<double> values, Span span) {
   return share(std::move(expr));
 }
 
+ExprPtr makeEmpty(Type element, const std::vector<int> &dims, Span span) {
+  element.dims.insert(element.dims.begin(), dims.begin(), dims.end());
+  return makeLiteral(std::move(element), {}, span);
+}
+
 ExprPtr makeReal(double value, Span span) { return makeLiteral({Base::Real, {}}, {value}, span); }
 ExprPtr makeInteger(double value, Span span) { return makeLiteral({Base::Integer, {}}, {value}, span); }
 ExprPtr makeBoolean(bool value, Span span) { return makeLiteral({Base::Boolean, {}}, {value ? 1.0 : 0.0}, span); }

@@ -27,6 +27,8 @@ using flat::Variability;
 [[nodiscard]] ExprPtr makeString(std::string text, Span span);
 // Row-major values of an array or scalar.
 [[nodiscard]] ExprPtr makeLiteral(Type type, std::vector<double> values, Span span);
+// An array without elements, which would be of type `element`; one of the leading `dims` is zero.
+[[nodiscard]] ExprPtr makeEmpty(Type element, const std::vector<int> &dims, Span span);
 
 [[nodiscard]] ExprPtr makeUnary(flat::Operator op, ExprPtr operand, Span span, Diagnostics &diagnostics);
 // `isElementwise`: the dotted form of + and -, which accepts a scalar beside an array.

@@ -113,10 +113,24 @@ private:
     }
     if (isGiven && chosen[dimension].scalar)
       return parts[0];
-    if (!parts.empty())
-      return makeArray(std::move(parts), span_, context_.diagnostics);
-    context_.diagnostics.report(diag::EmptyArray, span_);
-    return nullptr;
+    return parts.empty() ? memberOfNone(target, chosen, dimension, part) : makeArray(std::move(parts), span_, context_.diagnostics);
+  }
+
+  // Of an array of components without any, along `dimension`: what it is like is told by their type.
+  ExprPtr memberOfNone(Component &target, const std::vector<flat::Selection> &chosen, std::size_t dimension, std::size_t part) {
+    std::vector<int> dims = {0};
+    for (std::size_t d = dimension + 1; d < target.dimensions.size(); ++d)
+      if (d >= chosen.size())
+        dims.push_back(target.dimensions[d]);
+      else if (!chosen[d].scalar)
+        dims.push_back(static_cast<int>(chosen[d].positions.size()));
+    elaborate(context_, *target.type);
+    const Member *found = target.type->find(name(part + 1).text);
+    if (found == nullptr)
+      return member(*target.type, part + 1);
+    const bool isVariable = isLast(part + 1) && found->component != nullptr && resolve(context_, *found->component) &&
+                            found->component->isLeaf() && !found->component->leaf->predefined->isElement();
+    return makeEmpty(isVariable ? typeOf(*found->component) : Type{Base::Real, {}}, dims, span_);
   }
 
   ExprPtr member(Class &instance, std::size_t part) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tf::semantics {
 
@@ -260,10 +261,6 @@ ExprPtr Typer::typeArray(const ast::Expr &expr) {
   std::vector<ExprPtr> parts;
   for (const ast::Expr *operand : expr.operands)
     parts.push_back(type(*operand));
-  if (parts.empty()) {
-    diagnostics().report(diag::EmptyArray, expr.span);
-    return nullptr;
-  }
   return makeArray(std::move(parts), expr.span, diagnostics());
 }
 
@@ -283,10 +280,23 @@ ExprPtr Typer::typeComprehension(const ast::Expr &expr, std::size_t level, const
     if (parts.back() == nullptr)
       return nullptr;
   }
-  if (!parts.empty())
-    return makeArray(std::move(parts), expr.span, diagnostics());
-  diagnostics().report(diag::EmptyArray, expr.span);
-  return nullptr;
+  return parts.empty() ? typeEmpty(expr, level, locals) : makeArray(std::move(parts), expr.span, diagnostics());
+}
+
+// The type of an element is that of the body for an iterator that has no value, which 1 stands for.
+ExprPtr Typer::typeEmpty(const ast::Expr &expr, std::size_t level, const Locals *locals) {
+  const ast::ForIndex &index = expr.iterators[level - 1];
+  const ExprPtr range = index.range == nullptr ? nullptr : nested(locals)->type(*index.range);
+  const Base base = range == nullptr ? Base::Integer : range->type.base;
+  const Locals bound{locals, index.name.text, makeLiteral({base, {}}, {1}, expr.span)};
+  const bool before = std::exchange(scope_.isUnreached, true);
+  const int errors = diagnostics().errorCount();
+  const ExprPtr element = typeComprehension(expr, level - 1, &bound);
+  scope_.isUnreached = before;
+  if (element == nullptr && diagnostics().errorCount() > errors)
+    return nullptr;
+  // Elements of arrays that have none are not typed: numbers, most likely.
+  return makeEmpty(element == nullptr ? Type{Base::Real, {}} : element->type, {0}, expr.span);
 }
 
 namespace {
@@ -365,12 +375,14 @@ std::optional<flat::Selection> Typer::selection(const ast::Expr &subscript, int 
   chosen.scalar = typed->type.dims.empty();
   for (const double value : *values) {
     const double position = typed->type.base == Base::Boolean ? value + 1 : value;
-    if (position < 1 || position > size) {
+    // Any element tells the type of one that is not needed.
+    const double needed = scope_.isUnreached ? std::clamp(position, 1.0, std::max(1.0, static_cast<double>(size))) : position;
+    if (needed < 1 || needed > size) {
       if (!scope_.isUnreached)
         diagnostics().report(diag::SubscriptRange, subscript.span, position, size);
       return std::nullopt;
     }
-    chosen.positions.push_back(static_cast<int>(position));
+    chosen.positions.push_back(static_cast<int>(needed));
   }
   return chosen;
 }

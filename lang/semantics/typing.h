@@ -71,6 +71,7 @@ private:
   ExprPtr typeIf(const ast::Expr &expr);
   ExprPtr typeArray(const ast::Expr &expr);
   ExprPtr typeComprehension(const ast::Expr &expr, std::size_t level, const Locals *locals);
+  ExprPtr typeEmpty(const ast::Expr &expr, std::size_t level, const Locals *locals);
   ExprPtr typeMatrix(const ast::Expr &expr);
   ExprPtr typeSubscripted(const ast::Expr &expr);
   ExprPtr typeReference(const ast::Reference &reference, Span span);

@@ -1,4 +1,4 @@
-// expect: TF0421 at 3:16
+// expect: TF0421 at 3:12
 model M
-  Real x = sum({i*time for i in 1:0});
+  Real x = max({i*time for i in 1:0});
 end M;
