@@ -215,8 +215,10 @@ private:
           row.back(), fmt::format("this row has {} field{}, the header has {}", row.size(), row.size() == 1 ? "" : "s", columns_.size()));
     for (std::size_t i = 0; i < row.size(); ++i) {
       double value = 0;
-      if (!parseNumber(row[i].text, value))
-        return scanner_.failure(row[i], fmt::format("column '{}' needs a number, found {}", header_[i].text, quote(row[i].text)));
+      const bool isBoolean = columns_[i].variable >= 0 && (instance_.model().variables[columns_[i].variable].flags & TF_BOOLEAN) != 0;
+      if (!(isBoolean && parseBoolean(row[i].text, value)) && !parseNumber(row[i].text, value))
+        return scanner_.failure(row[i], fmt::format("column '{}' needs {}, found {}", header_[i].text,
+                                                    isBoolean ? "true or false" : "a number", quote(row[i].text)));
       if (!std::isfinite(value))
         return scanner_.failure(row[i], fmt::format("column '{}' needs a finite number, found {}", header_[i].text, row[i].text));
       if (auto added = columns_[i].variable < 0 ? addTime(row[i], value) : addValue(row[i], columns_[i], value); !added)
@@ -247,6 +249,13 @@ private:
     for (const Field &field : header)
       names += (names.empty() ? "" : ", ") + quote(field.text);
     return names;
+  }
+
+  // As the language, spreadsheets and Python write them.
+  static bool parseBoolean(std::string_view text, double &value) {
+    const bool isTrue = text == "true" || text == "TRUE" || text == "True";
+    value = isTrue ? 1 : 0;
+    return isTrue || text == "false" || text == "FALSE" || text == "False";
   }
 
   // The whole field as a decimal number; a leading plus is allowed.

@@ -43,6 +43,22 @@ TEST(CsvReader, KeepsEqualTimesAsJumps) {
   EXPECT_THAT(tables.value()[0].times, ElementsAre(0, 1, 1));
 }
 
+TEST(CsvReader, ReadsBooleansAsWordsOrNumbers) {
+  std::vector<tf_variable> variables(test::particleModel().variables,
+                                     test::particleModel().variables + test::particleModel().variable_count);
+  for (tf_variable &variable : variables)
+    if (std::string_view(variable.name) == "u[1]")
+      variable.flags |= TF_BOOLEAN;
+  tf_model model = test::particleModel();
+  model.variables = variables.data();
+  const ModelInstance instance(model);
+  const auto tables = parseInputTables("time,u[1],u[2]\n0,true,1\n1,false,2\n2,True,3\n3,0,4\n4,\"TRUE\",5\n", "u.csv", instance);
+  ASSERT_TRUE(tables.ok()) << tables.error();
+  EXPECT_THAT(tables.value()[0].values, ElementsAre(1, 0, 1, 0, 1));
+  EXPECT_EQ(parseInputTables("time,u[1]\n0,yes\n", "u.csv", instance).error(), "u.csv:2:3: column 'u[1]' needs true or false, found 'yes'");
+  EXPECT_EQ(parseInputTables("time,u[2]\n0,true\n", "u.csv", instance).error(), "u.csv:2:3: column 'u[2]' needs a number, found 'true'");
+}
+
 struct BadTable {
   const char *text, *message;
 };
