@@ -83,7 +83,9 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
 }
 
 tf_status Simulation::Implementation::failWithoutProgress() {
-  return failAt(fmt::format("no consistent continuation: {} events since t = {:.10g}, the last", progress_.count, progress_.since));
+  const auto named = std::find_if(transitions_.rbegin(), transitions_.rend(), [](const Transition &t) { return t.element >= 0; });
+  const std::string last = named == transitions_.rend() ? std::string() : " of " + elementText(model_, named->element);
+  return failAt(fmt::format("no consistent continuation: {} events since t = {:.10g}, the last{}", progress_.count, progress_.since, last));
 }
 
 std::vector<Transition> &Simulation::Implementation::beginTransitions() {

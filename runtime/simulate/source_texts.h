@@ -10,6 +10,9 @@ namespace tf::runtime {
 // "(file:line)"
 [[nodiscard]] std::string sourceOf(const tf_location &location);
 
+// "contact 'floor' (file:line)": of an event's element (Transition), which must be one.
+[[nodiscard]] std::string elementText(const tf_model &model, int element);
+
 // A contact's friction coefficient at some point is below zero.
 [[nodiscard]] std::string negativeFrictionOf(const tf_contact &contact, double coefficient);
 
