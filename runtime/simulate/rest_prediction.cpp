@@ -89,7 +89,9 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
     fastest = std::max(fastest, speed);
     slowed = slowed || speed <= early * fastest;
     const double own = std::isfinite(lastTime_[contact]) ? time - lastTime_[contact] : 0;
-    lowUntil_[contact] = speed <= low * fastest ? time + intervals * own : -std::numeric_limits<double>::infinity();
+    // Nor do shorter bounces of its own about the longer ones that they follow.
+    lowUntil_[contact] =
+        speed <= low * fastest ? std::max(lowUntil_[contact], time + intervals * own) : -std::numeric_limits<double>::infinity();
     lastTime_[contact] = time;
   }
   const double interval = time - lastImpact_;

@@ -227,7 +227,7 @@ model Groove
   contact right(gap = -x*sin(a) + y*cos(a) - R, slip = der(x)*cos(a) + der(y)*sin(a) + R*der(phi), friction = mu, restitution = e);
 end Groove;
 )");
-  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT})
+  for (const tf_integrator integrator : integrators)
     for (const double tolerance : {1e-6, 1e-8, 1e-10})
       for (const double x : {-0.005, -0.001, 0.002, 0.01})
         for (const double speed : {0.0, 1.0}) {
