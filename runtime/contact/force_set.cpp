@@ -12,7 +12,7 @@ namespace tf::runtime {
 namespace {
 
 // Redundant rows leave pivots of rounding size; smaller ones than this, with the diagonal of D scaled to 1, count as such.
-constexpr double singularMode = 1e-10;
+constexpr double singularMode = 1e-8;
 // Accepted contradiction between redundant rows: contacts that close a mechanism's last freedom do so within the accuracy of positions.
 constexpr double redundantResidual = 1e-6;
 // An active constraint depends on others where what they leave of its normal is shorter than this, relative to its length.
@@ -88,7 +88,8 @@ bool ForceSet::singular(const ContactProblem &problem) {
   for (int c = 0; c < A.cols(); ++c)
     for (int r = 0; r < A.rows(); ++r)
       A(r, c) *= unknown_[r] * unknown_[c];
-  singular_ = !factor_.factor(singularMode);
+  // With partial pivoting two pivots are the singular values of two rows but for a factor near 1.
+  singular_ = !factor_.factor(singularMode) || (A.rows() > 2 && factor_.leastSingularValue() <= singularMode);
   return singular_;
 }
 

@@ -13,7 +13,7 @@ namespace tf::runtime {
 namespace {
 
 // A constraint depends on the active ones where its part outside their span is shorter, relative to unit length.
-constexpr double dependence = 1e-10;
+constexpr double dependence = 1e-8;
 // Fewer variables are not worth looking for equal ones.
 constexpr int fewest = 12;
 

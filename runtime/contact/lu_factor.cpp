@@ -61,6 +61,31 @@ bool LuFactor::factor(double singular) {
   return true;
 }
 
+double LuFactor::leastSingularValue() {
+  constexpr int passes = 2;
+  constexpr double goldenRatio = 0.6180339887498949;
+  const int n = lu_.rows();
+  direction_.resize(n);
+  // A direction with a part along any other that could be the one.
+  for (int k = 0; k < n; ++k)
+    direction_[k] = 1 + (k + 1) * goldenRatio - std::floor((k + 1) * goldenRatio);
+  const auto normalise = [&] {
+    const double length = std::sqrt(denseDot(direction_.data(), direction_.data(), n));
+    for (double &value : direction_)
+      value /= length;
+    return length;
+  };
+  normalise();
+  double value = 0;
+  for (int pass = 0; pass < passes; ++pass) {
+    solve(direction_.data());
+    normalise();
+    solveTransposed(direction_.data());
+    value = 1 / normalise();
+  }
+  return std::isfinite(value) ? value : 0;
+}
+
 double LuFactor::signOfExchanges() const {
   double sign = 1;
   for (int k = 0; lu_.rows() > 1 && k < lu_.rows(); ++k)

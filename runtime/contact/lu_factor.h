@@ -16,6 +16,10 @@ public:
   // False where a pivot's magnitude is not above `singular`, or not finite.
   bool factor(double singular);
 
+  // The least singular value, by inverse iteration: at least that, and about it where the next one is several times larger. Partial
+  // pivoting may spread it over several pivots none of which is as small.
+  [[nodiscard]] double leastSingularValue();
+
   // b ← A⁻¹ b.
   void solve(double *b) const;
   // b ← A⁻ᵀ b.
@@ -32,6 +36,7 @@ private:
 
   DenseMatrix lu_;
   std::vector<int> pivot_;
+  std::vector<double> direction_;
 };
 
 }  // namespace tf::runtime

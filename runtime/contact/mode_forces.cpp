@@ -110,13 +110,21 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, s
   } else {
     valid = w.set->solveRegular(problem);
   }
-  w.allowed = w.redundant && w.set->mayContradict() ? std::max(contradiction, 10 * w.set->contradiction()) : contradiction;
+  w.allowed = contradiction;
+  acceptContradiction();
   w.mayPress = !w.redundant && valid && slipsWithFriction(problem, mode);
   if (w.mayPress)
     w.beginPressing();
   w.listMargins();
   w.setProblem(problem);
   return valid;
+}
+
+void ModeForces::acceptContradiction() {
+  constexpr double clearly = 10;
+  Workspace &w = *work_;
+  if (w.redundant && w.set->mayContradict())
+    w.allowed = std::max(w.allowed, clearly * w.set->contradiction());
 }
 
 bool ModeForces::evaluate(const ContactProblem &problem) {

@@ -68,6 +68,10 @@ public:
   // Of the margin with the row `pressing`, if there is one.
   [[nodiscard]] const PressingMargin &pressing() const;
 
+  // The mode's start has been moved by what it was off by, to the point of the last evaluation: what redundant rows contradict one another
+  // by there is no reason to end it.
+  void acceptContradiction();
+
   // The margin has reached zero at the last evaluation and would become negative: can the mode go on with another representative?
   MarginOutcome cross(int margin);
 

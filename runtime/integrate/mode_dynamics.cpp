@@ -240,8 +240,18 @@ bool ModeDynamics::solveRows(double *freeAcceleration) {
 bool ModeDynamics::startForces(std::unique_ptr<ForceSet> *found) {
   if (settled_ == nullptr)
     return forces_.start(problem_, contactMode_, found);
+  std::vector<double> bias = problem_.bias;
   const std::vector<double> known = system_.settle(*settled_, contactMode_);
-  return forces_.start(problem_, contactMode_, found, &known);
+  if (!forces_.start(problem_, contactMode_, found, &known))
+    return false;
+  if (!forces_.redundant())
+    return true;
+  // From the next evaluation on redundant rows contradict one another as they do without.
+  problem_.bias.swap(bias);
+  if (forces_.evaluate(problem_))
+    forces_.acceptContradiction();
+  problem_.bias.swap(bias);
+  return forces_.evaluate(problem_);
 }
 
 // What folded forces leave out at the point of the last evaluation: W Jᵀ and D, and the forces as a function of them.

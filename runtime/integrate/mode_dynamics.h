@@ -158,6 +158,8 @@ public:
   void switchingValues(std::span<const int> guards, double *values, double *rates);
   // Force guard `guard` has reached zero: true if the mode goes on with another representative of redundant forces (guards have changed).
   bool rechoose(int guard);
+  // The mode's start has been projected to the point of the last evaluation (ModeForces).
+  void acceptContradiction();
 
   // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). Returns the size of the
   // correction relative to `scale` [n].

@@ -194,4 +194,9 @@ bool ModeDynamics::rechoose(int guard) {
   return true;
 }
 
+void ModeDynamics::acceptContradiction() {
+  if (forces_.redundant())
+    forces_.acceptContradiction();
+}
+
 }  // namespace tf::runtime
