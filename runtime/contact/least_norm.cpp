@@ -308,12 +308,51 @@ void LeastNorm::solveReflected() {
   multipliers_.assign(r_.begin(), r_.begin() + q);
 }
 
-// The independent equations become active.
+// The independent equations become active. Without pivoting a dependence may be spread over several of them, none of which is near enough
+// to the span of those before: then one that has the largest part in it is left out.
 void LeastNorm::reflectEquations() {
+  leftOut_.assign(equations_, 0);
+  reflectKept();
+  for (int row = dependentRow(); row >= 0; row = dependentRow()) {
+    leftOut_[active_[row]] = 1;
+    reflectKept();
+  }
+  independent_ = active_.size();
+}
+
+// The active equation with the largest part in a combination of all of them that is zero, −1: there is none. By inverse iteration.
+int LeastNorm::dependentRow() {
+  constexpr int passes = 2;
+  const int q = static_cast<int>(active_.size());
+  double length = 0;
+  const auto normalise = [&](std::vector<double> &v) {
+    length = std::sqrt(denseDot(v.data(), v.data(), q));
+    for (int k = 0; k < q; ++k)
+      v[k] /= length;
+  };
+  for (int k = 0; k < q; ++k)
+    r_[k] = irregularNumber(k);
+  for (int pass = 0; pass < passes; ++pass) {
+    solveTransposed(r_.data());
+    normalise(d_);
+    dualDirection();
+    normalise(r_);
+  }
+  if (q == 0 || !(length * dependence >= 1))
+    return -1;
+  const auto larger = [](double a, double b) { return std::abs(a) < std::abs(b); };
+  return static_cast<int>(std::max_element(r_.begin(), r_.begin() + q, larger) - r_.begin());
+}
+
+void LeastNorm::reflectKept() {
   separateVariables();
   active_.clear();
   dependent_ = false;
   for (int c = 0; c < equations_; ++c) {
+    if (leftOut_[c] != 0) {
+      dependent_ = true;
+      continue;
+    }
     const int q = static_cast<int>(active_.size());
     if (q == variables_) {
       dependent_ = true;
@@ -325,7 +364,6 @@ void LeastNorm::reflectEquations() {
     else
       dependent_ = true;
   }
-  independent_ = active_.size();
 }
 
 LeastNorm::Status LeastNorm::solve(double tolerance, double equationTolerance) {

@@ -58,6 +58,8 @@ private:
   bool reflect(int k, double accepted, int from);
   void solveReflected();
   void reflectEquations();
+  void reflectKept();
+  int dependentRow();
   double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖
   void append(int constraint, double multiplier, double length);
   void moveAlong(double step);
@@ -86,6 +88,7 @@ private:
   bool isReflected_ = false;
   std::vector<int> active_, order_;
   bool dependent_ = false;
+  std::vector<std::uint8_t> leftOut_;  // of equations: they depend on others
 };
 
 }  // namespace tf::runtime

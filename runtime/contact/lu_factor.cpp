@@ -1,6 +1,7 @@
 #include "runtime/contact/lu_factor.h"
 
 #include "runtime/contact/dense_kernels.h"
+#include "runtime/contact/irregular_numbers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,12 +64,11 @@ bool LuFactor::factor(double singular) {
 
 double LuFactor::leastSingularValue() {
   constexpr int passes = 2;
-  constexpr double goldenRatio = 0.6180339887498949;
   const int n = lu_.rows();
   direction_.resize(n);
   // A direction with a part along any other that could be the one.
   for (int k = 0; k < n; ++k)
-    direction_[k] = 1 + (k + 1) * goldenRatio - std::floor((k + 1) * goldenRatio);
+    direction_[k] = irregularNumber(k);
   const auto normalise = [&] {
     const double length = std::sqrt(denseDot(direction_.data(), direction_.data(), n));
     for (double &value : direction_)
