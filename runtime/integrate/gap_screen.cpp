@@ -1,5 +1,7 @@
 #include "runtime/integrate/gap_screen.h"
 
+#include "runtime/integrate/byte_flags.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -74,6 +76,13 @@ bool GapScreen::covers(const double *center, const double *radius) const {
   for (int k = 0; k < count; ++k)
     inside = inside && std::abs(center[k] - center_[k]) + radius[k] <= radius_[k];
   return inside;
+}
+
+bool GapScreen::isSelective() const {
+  constexpr int few = 8;  // of so many
+  int count = 0;
+  forEachSet(awake_.data(), model_->nc, [&count](int /*contact*/) { ++count; });
+  return few * count <= model_->nc;
 }
 
 double GapScreen::margin(int contact, double gap) const { return touching * model_->contacts[contact].nominal + rounding * std::abs(gap); }

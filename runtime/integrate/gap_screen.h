@@ -33,6 +33,8 @@ public:
 
   // nc
   [[nodiscard]] const std::uint8_t *awake() const { return awake_.data(); }
+  // Few contacts are awake: a smaller box would not leave far fewer.
+  [[nodiscard]] bool isSelective() const;
   [[nodiscard]] bool isAwake(int contact) const { return awake_[contact] != 0; }
   // Changes whenever `awake` does.
   [[nodiscard]] long long revision() const { return revision_; }

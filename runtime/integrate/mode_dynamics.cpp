@@ -3,6 +3,7 @@
 #include "runtime/contact/jam.h"
 #include "runtime/contact/time_speed.h"
 #include "runtime/integrate/all_finite.h"
+#include "runtime/integrate/byte_flags.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,16 +37,11 @@ bool ModeDynamics::choose(const Mode &mode, double time, const double *state, co
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
   contacts.clear();
   tangents.clear();
-  for (int i = 0; i < model.nc; ++i) {
-    mask_[i] = mode.closed[i];
-    if (mode.closed[i])
-      contacts.push_back(i);
-  }
+  std::copy(mode.closed.begin(), mode.closed.end(), mask_.begin());
+  forEachSet(mode.closed.data(), model.nc, [&contacts](int i) { contacts.push_back(i); });
   at_.screen().hold(mode.closed.data());
   std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
-  for (int j = 0; j < model.nt; ++j)
-    if (mode.tangent[j] != Tangent::None)
-      tangents.push_back(j);
+  forEachOther(mode.tangent.data(), model.nt, Tangent::None, [&tangents](int j) { tangents.push_back(j); });
   const bool isSolved = solved != nullptr && solved->system.hasRows(contacts, tangents);
   if (isSolved)
     system_ = solved->system;

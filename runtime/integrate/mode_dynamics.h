@@ -140,7 +140,11 @@ public:
   void accelerationRates(const RowSystem &rows, const double *rate, std::vector<double> &accelerationRate,
                          std::vector<double> &frictionRate, std::vector<double> &boundRate);
 
+  // Those of kind Gap come first, the contacts ascending.
   [[nodiscard]] const std::vector<Guard> &guards() const { return guards_; }
+  [[nodiscard]] int gapGuardCount() const { return gapGuardCount_; }
+  // Any of them does (Guard::varies).
+  [[nodiscard]] bool guardsVary() const { return guardsVary_; }
   // Values at the point of the last evaluation. Those of gaps of contacts that are asleep (GapScreen) are old: they are positive.
   void guardValues(double *values);
   // The same of some guards, and d/dt of the Gap guards (NaN of the others).
@@ -260,6 +264,7 @@ private:
   [[nodiscard]] double readRate(const Guard &guard) const;
   void evaluateGuards();
   void buildGuards();
+  void buildGapGuards();
   [[nodiscard]] bool varies(const Guard &guard) const;
   void recordForces();
   void recordMargins();
@@ -293,6 +298,9 @@ private:
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;
+  std::vector<std::uint8_t> guardedClosed_;  // closed contacts of the mode that guards_ begins with the gaps of
+  int gapGuardCount_ = 0;
+  bool guardsVary_ = false;
   std::vector<double> leastMargins_, leastMarginTimes_, largestMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
   double beginForce_ = 0;  // the largest one at the begin of the mode

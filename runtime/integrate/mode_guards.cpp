@@ -28,13 +28,10 @@ void ModeDynamics::recordMargins() {
 
 void ModeDynamics::buildGuards() {
   const tf_model &model = at_.model();
-  guards_.clear();
   leastMargins_.assign(rows_.count() > 0 ? forces_.margins().size() : 0, -std::numeric_limits<double>::infinity());
   leastMarginTimes_.assign(leastMargins_.size(), 0);
   largestMargins_.assign(leastMargins_.size(), std::numeric_limits<double>::infinity());
-  for (int i = 0; i < model.nc; ++i)
-    if (!mode_.closed[i])
-      guards_.push_back({GuardKind::Gap, i, 1, model.contacts[i].nominal});
+  buildGapGuards();
   double largest = 0;
   if (rows_.count() > 0) {
     for (double force : rowForces())
@@ -43,9 +40,8 @@ void ModeDynamics::buildGuards() {
     for (std::size_t k = 0; k < leastMargins_.size(); ++k)
       guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, beginForce_});
   }
-  for (int j = 0; j < model.nt; ++j)
-    if (!isPaired_[j] && roles_[j] != TangentRole::Steady &&
-        (mode_.tangent[j] == Tangent::SlipPositive || mode_.tangent[j] == Tangent::SlipNegative))
+  for (const int j : rows_.tangents())
+    if (!isPaired_[j] && roles_[j] != TangentRole::Steady && mode_.tangent[j] != Tangent::Stick)
       guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
   for (int k = 0; k < slips_.count(); ++k)
     guards_.push_back({GuardKind::SlipAlong, k, 1, slips_.rounding() / 1e-12});
@@ -57,9 +53,24 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
     }
   }
-  if (model.variation != nullptr)
-    for (Guard &guard : guards_)
-      guard.varies = varies(guard);
+  guardsVary_ = false;
+  for (std::size_t k = 0; model.variation != nullptr && k < guards_.size(); ++k) {
+    guards_[k].varies = varies(guards_[k]);
+    guardsVary_ = guardsVary_ || guards_[k].varies;
+  }
+}
+
+// Those of a mode with the same closed contacts stay.
+void ModeDynamics::buildGapGuards() {
+  if (guardedClosed_ != mode_.closed) {
+    guardedClosed_ = mode_.closed;
+    guards_.clear();
+    for (int i = 0; i < at_.model().nc; ++i)
+      if (!mode_.closed[i])
+        guards_.push_back({GuardKind::Gap, i, 1, at_.model().contacts[i].nominal});
+    gapGuardCount_ = static_cast<int>(guards_.size());
+  }
+  guards_.resize(gapGuardCount_);
 }
 
 bool ModeDynamics::varies(const Guard &guard) const {

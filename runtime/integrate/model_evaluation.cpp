@@ -171,6 +171,15 @@ void ModelEvaluation::cover(const double *center, const double *radius, const do
   readElsewhere_ = false;
 }
 
+void ModelEvaluation::cover(GapScreen &screen, const double *center, const double *radius) {
+  if (screen.covers(center, radius) && screen.isSelective())
+    return;
+  // The box is to be no larger than it is asked for.
+  gapAtCenter_.resize(model_->nc);
+  std::fill(coordinateRate_.begin(), coordinateRate_.end(), 0.0);
+  screen.renew(in_, coordinateRate_.data(), gapAtCenter_.data(), center, radius);
+}
+
 void ModelEvaluation::switchingOf(int contact) {
   oneMask_[contact] = 1;
   read(oneMask_);

@@ -49,6 +49,8 @@ public:
   void switchingOf(int contact);
   // Contacts that stay asleep are so all over the box: nq + 1 each, of coordinates and time; `coordinateRate` [nq] are those of the motion.
   void cover(const double *center, const double *radius, const double *coordinateRate);
+  // As well, in a screen of one's own, which is used (GapScreen::isUsed).
+  void cover(GapScreen &screen, const double *center, const double *radius);
   // mask [nc + nf]
   void contactTerms(const std::uint8_t *mask);
   void contactParameters();
@@ -140,7 +142,7 @@ private:
   SwitchingMask someMask_, oneMask_;  // of any contacts, and of one at a time
   bool readElsewhere_ = false;        // the gaps of contacts that are asleep are those at a point outside the box
   GapScreen screen_;
-  std::vector<double> coordinateRate_;
+  std::vector<double> coordinateRate_, gapAtCenter_;
 };
 
 }  // namespace tf::runtime

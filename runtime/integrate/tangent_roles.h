@@ -27,6 +27,18 @@ enum class TangentRole : std::uint8_t {
 // Tangential row of the model that the slip with two components begins with which `row` is a component of; −1 for all other rows.
 [[nodiscard]] std::vector<int> pairsOfTangents(const tf_model &model);
 
+// visit(row) for the tangential rows of some contacts (ascending numbers) and of all friction elements, ascending.
+template <class Visit> void forEachTangent(const tf_model &model, const std::vector<int> &contacts, Visit visit) {
+  const auto visitRows = [&visit](const auto &element) {
+    for (int k = 0; k < element.tangent_count; ++k)
+      visit(element.tangent_first + k);
+  };
+  for (const int i : contacts)
+    visitRows(model.contacts[i]);
+  for (int i = 0; i < model.nf; ++i)
+    visitRows(model.frictions[i]);
+}
+
 // The first two tangential rows of a contact or friction element are the components of one slip, with one disk of friction forces.
 template <class Element> [[nodiscard]] bool sharesDisk(const Element &element) {
   return element.friction_form == TF_FRICTION_RELAXED || (element.friction_form == TF_FRICTION_EXACT && element.tangent_count == 2);

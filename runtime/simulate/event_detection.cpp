@@ -1,5 +1,6 @@
 #include "runtime/simulate/event_detection.h"
 
+#include "runtime/integrate/byte_flags.h"
 #include "runtime/simulate/cubic_hermite.h"
 
 #include <algorithm>
@@ -194,14 +195,15 @@ double EventDetection::guardInside(int guard, double time) {
 }
 
 void EventDetection::restart(double time, double speedOfRounding) {
-  needsForces_ = varies_ = hasDifferences_ = false;
-  for (const Guard &guard : dynamics_.guards()) {
-    needsForces_ = needsForces_ || isForceGuard(guard.kind);
-    varies_ = varies_ || guard.varies;
-    hasDifferences_ = hasDifferences_ || hasRateByDifferenceAtEnds(guard.kind);
+  const std::vector<Guard> &guards = dynamics_.guards();
+  needsForces_ = hasDifferences_ = false;
+  for (std::size_t k = dynamics_.gapGuardCount(); k < guards.size(); ++k) {
+    needsForces_ = needsForces_ || isForceGuard(guards[k].kind);
+    hasDifferences_ = hasDifferences_ || hasRateByDifferenceAtEnds(guards[k].kind);
   }
+  varies_ = dynamics_.guardsVary();
   cut_ = false;
-  starts_.assign(dynamics_.guards().size(), {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0});
+  starts_.resize(guards.size());
   // A gap whose reading leaves the screen's box wakes contacts.
   do {
     chooseAwake();
@@ -212,9 +214,8 @@ void EventDetection::restart(double time, double speedOfRounding) {
     const double least = threshold(k);
     const bool opens =
         startsToRounding_ ? begin_.rate[k] > speedOfRounding : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
-    starts_[k].armed = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
-    starts_[k].value = begin_.value[k];
-    starts_[k].rate = begin_.rate[k];
+    const Arming armed = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
+    starts_[k] = {armed, time, begin_.value[k], begin_.rate[k]};
   }
 }
 
@@ -225,9 +226,16 @@ void EventDetection::chooseAwake() {
   const GapScreen &screen = dynamics_.model().screen();
   awakeRevision_ = screen.revision();
   awake_.clear();
-  for (std::size_t k = 0; k < dynamics_.guards().size(); ++k)
-    if (dynamics_.guards()[k].kind != GuardKind::Gap || screen.isAwake(dynamics_.guards()[k].index))
-      awake_.push_back(static_cast<int>(k));
+  const std::vector<std::uint8_t> &closed = dynamics_.mode().closed;
+  int closedBefore = 0;  // closed contacts are awake
+  forEachSet(screen.awake(), static_cast<int>(closed.size()), [&](int contact) {
+    if (closed[contact] != 0)
+      ++closedBefore;
+    else
+      awake_.push_back(contact - closedBefore);
+  });
+  for (int k = dynamics_.gapGuardCount(); k < static_cast<int>(dynamics_.guards().size()); ++k)
+    awake_.push_back(k);
 }
 
 // The hull of the cubic through both ends of the step in each coordinate, and a part `reach` of it on either side, is kept by the screen;
@@ -262,6 +270,7 @@ void EventDetection::wake() {
   for (const int k : awake_) {
     if (std::binary_search(previous_.begin(), previous_.end(), k))
       continue;
+    starts_[k] = openStart(begin);
     begin_.value[k] = guardHere(k, begin);
     begin_.rate[k] = model.gapRate[dynamics_.guards()[k].index];
   }
@@ -270,9 +279,11 @@ void EventDetection::wake() {
 // Gaps are the first guards of a mode, and the same ones with any choice of directions and forces.
 void EventDetection::resume(double time, double speedOfRounding) {
   resumed_ = starts_;
+  previous_.swap(awake_);
   restart(time, speedOfRounding);
-  for (std::size_t k = 0; k < starts_.size() && dynamics_.guards()[k].kind == GuardKind::Gap; ++k)
-    starts_[k] = resumed_[k];
+  for (const int k : awake_)
+    if (k < dynamics_.gapGuardCount())
+      starts_[k] = std::binary_search(previous_.begin(), previous_.end(), k) ? resumed_[k] : openStart(time);
 }
 
 void EventDetection::watchStart() {

@@ -5,6 +5,7 @@
 #include "runtime/integrate/smooth_integrator.h"
 
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace tf::runtime {
@@ -143,8 +144,10 @@ private:
     Arming armed = Arming::Not;
     double time = 0, value = 0, rate = 0;
   };
-  std::vector<Start> starts_, resumed_;
-  std::vector<int> awake_, previous_;  // guards whose contacts are awake (GapScreen), and all others; ascending
+  // Of a gap that was asleep before.
+  [[nodiscard]] static Start openStart(double time) { return {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0}; }
+  std::vector<Start> starts_, resumed_;  // of the guards in awake_
+  std::vector<int> awake_, previous_;    // guards whose contacts are awake (GapScreen), and all others; ascending
   long long awakeRevision_ = -1;
   bool needsForces_ = false;
   bool hasDifferences_ = false;  // guards whose rates at the ends of steps are differences

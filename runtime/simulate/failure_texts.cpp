@@ -78,7 +78,8 @@ std::string FailureTexts::contactsAtStart(double time, const double *state) {
     return text;
   if (std::string text = slipRadii(); !text.empty())
     return text;
-  at_.switchingOfAll(ModelEvaluation::Gaps);
+  // Gaps of contacts that are asleep are positive.
+  at_.switching(ModelEvaluation::Gaps);
   for (int i = 0; i < model_.nc; ++i) {
     const tf_contact &contact = model_.contacts[i];
     if (!std::isfinite(at_.gap[i]))

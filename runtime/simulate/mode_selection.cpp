@@ -1,4 +1,5 @@
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/integrate/byte_flags.h"
 #include "runtime/simulate/source_texts.h"
 
 #include <fmt/format.h>
@@ -18,7 +19,7 @@ constexpr double deepestGrazing = 1e-12, deepestJam = 1e-10;
 
 ModeSelection::ModeSelection(ModeDynamics &dynamics, SelectionTolerances tolerances)
     : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), contactOf_(contactsOfTangents(at_.model())),
-      roles_(rolesOfTangents(at_.model())), candidates_(at_.model().nc), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()),
+      roles_(rolesOfTangents(at_.model())), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()),
       freeAcceleration_(at_.model().nv), grazingSpeed_(at_.model().nc) {}
 
 double ModeSelection::velocityTolerance(const double *state) const {
@@ -43,11 +44,14 @@ void ModeSelection::listTouching(const double *state) {
   touching_.clear();
   approaching_.clear();
   grazing_.clear();
-  for (int i = 0; i < model.nc; ++i)
+  for (int i = 0; grazes_ && i < model.nc; ++i)
+    if (!(at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal))
+      grazingSpeed_[i] = 0;
+  grazes_ = grazes_ && std::any_of(grazingSpeed_.begin(), grazingSpeed_.end(), [](double speed) { return speed != 0; });
+  forEachSet(at_.screen().awake(), model.nc, [&](int i) {
     if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal)
       touching_.push_back(i);
-    else
-      grazingSpeed_[i] = 0;
+  });
   if (touching_.empty())
     return;
   const double tolerance = velocityTolerance(state);
@@ -99,6 +103,7 @@ bool ModeSelection::letGraze(const double *state) {
   for (const int i : approaching_)
     if (mayGraze)
       grazingSpeed_[i] = -at_.gapRate[i];
+  grazes_ = grazes_ || mayGraze;
   return mayGraze;
 }
 
@@ -154,10 +159,9 @@ std::string ModeSelection::jump(const double *state) {
 
 // The first contact that touches and has a negative coefficient.
 std::string ModeSelection::negativeFriction() const {
-  const tf_model &model = at_.model();
-  for (int i = 0; i < model.nc; ++i)
-    if (candidates_[i] && at_.friction[i] < -negligibleFriction)
-      return negativeFrictionOf(model.contacts[i], at_.friction[i]);
+  for (const int i : contacts_)
+    if (at_.friction[i] < -negligibleFriction)
+      return negativeFrictionOf(at_.model().contacts[i], at_.friction[i]);
   return {};
 }
 
@@ -214,12 +218,8 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
   contacts.clear();
   tangents.clear();
-  for (int i = 0; i < model.nc; ++i) {
-    candidates_[i] = at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal && std::abs(at_.gapRate[i]) <= velocityTolerance;
-    mask_[i] = candidates_[i];
-    if (candidates_[i])
-      contacts.push_back(i);
-  }
+  std::copy_if(touching_.begin(), touching_.end(), std::back_inserter(contacts),
+               [this, velocityTolerance](int i) { return std::abs(at_.gapRate[i]) <= velocityTolerance; });
   if (contacts.empty() && model.nf == 0) {
     if (problem_.count() > 0) {
       system_.choose(model, contacts, tangents);
@@ -227,12 +227,16 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
     }
     return;
   }
+  std::fill_n(mask_.begin(), model.nc, std::uint8_t{0});
+  for (const int i : contacts)
+    mask_[i] = 1;
   std::fill(mask_.begin() + model.nc, mask_.end(), std::uint8_t{1});
   at_.setPoint(time, state);
   at_.contactTerms(mask_.data());
-  for (int j = 0; j < model.nt; ++j)
-    if (takesPartInMotion(roles_[j]) && (contactOf_[j] < 0 || (candidates_[contactOf_[j]] && hasFriction(contactOf_[j]))))
+  forEachTangent(model, contacts, [&](int j) {
+    if (takesPartInMotion(roles_[j]) && (contactOf_[j] < 0 || hasFriction(contactOf_[j])))
       tangents.push_back(j);
+  });
   system_.choose(model, contacts, tangents);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const double slip = at_.slip[tangents[j]];

@@ -67,7 +67,10 @@ public:
   // False: they already are further below, or not all approach slowly.
   bool letGraze(const double *state);
   // What letGraze has noted [nc]: no contacts with a run's start, and a part of what it is continued with.
-  [[nodiscard]] std::vector<double> &grazingSpeeds() { return grazingSpeed_; }
+  [[nodiscard]] std::vector<double> &grazingSpeeds() {
+    grazes_ = true;
+    return grazingSpeed_;
+  }
   [[nodiscard]] double velocityTolerance(const double *state) const;
   [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
   [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }
@@ -118,15 +121,16 @@ private:
   Selection selection_;
   Mode mode_, found_, heldMode_;
   std::vector<int> touching_, approaching_, grazing_;
-  std::vector<int> contacts_, tangents_;                                // of the problem
-  std::vector<int> surfaces_;                                           // switches on their surfaces
-  std::vector<Choices> choices_;                                        // of each, in order of preference
-  std::vector<int> contactOf_;                                          // nt, see contactsOfTangents
-  std::vector<TangentRole> roles_;                                      // nt
-  std::vector<std::uint8_t> candidates_, mask_, surfaceMask_, ofTime_;  // nc; nc + nf; ns; ns
-  std::vector<std::uint8_t> slowMask_;                                  // nc + nf
+  std::vector<int> contacts_, tangents_;                   // of the problem
+  std::vector<int> surfaces_;                              // switches on their surfaces
+  std::vector<Choices> choices_;                           // of each, in order of preference
+  std::vector<int> contactOf_;                             // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;                         // nt
+  std::vector<std::uint8_t> mask_, surfaceMask_, ofTime_;  // nc + nf; ns; ns
+  std::vector<std::uint8_t> slowMask_;                     // nc + nf
   std::vector<double> rate_, freeAcceleration_, guess_, settledForces_;
   std::vector<double> grazingSpeed_;  // nc: of letGraze
+  bool grazes_ = false;               // one of them may not be zero
   SettledForces settled_;
   bool isSettled_ = false;  // forces of the contact problem solved last
   int forced_ = -1;

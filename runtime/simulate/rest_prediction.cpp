@@ -1,5 +1,7 @@
 #include "runtime/simulate/rest_prediction.h"
 
+#include "runtime/integrate/byte_flags.h"
+
 #include <Eigen/Dense>
 
 #include <algorithm>
@@ -41,7 +43,8 @@ Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv) {
+      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv), reach_(at_.model()),
+      owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
   reset();
 }
 
@@ -49,6 +52,7 @@ void RestPrediction::reset() {
   std::fill(fastest_.begin(), fastest_.end(), 0.0);
   std::fill(last_.begin(), last_.end(), 0.0);
   impacts_ = 0;
+  reach_.forget();
   restart();
 }
 
@@ -117,27 +121,57 @@ void RestPrediction::chooseContacts(double time, const double *state) {
   at_.switching(ModelEvaluation::Gaps);
   takesPart_.assign(model.nc + model.nf, 1);
   for (int i = 0; i < model.nc; ++i)
-    takesPart_[i] =
-        dynamics_.mode().closed[i] || last_[i] > 0 || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal ? 1 : 0;
+    takesPart_[i] = last_[i] > 0 ? 1 : 0;
+  // Closed contacts are awake.
+  forEachSet(at_.screen().awake(), model.nc, [&](int i) {
+    if (dynamics_.mode().closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal)
+      takesPart_[i] = 1;
+  });
 }
 
 // True if contacts have been added to those that take part: at a few times the speeds that they have at the ends of the way they may close.
 bool RestPrediction::addReachable(double time, const double *state, const RestPoint &end) {
   constexpr double fewTimes = 4;
-  const tf_model &model = at_.model();
   const double span = fewTimes * (end.time - time);
+  if (reach_.isUsed())
+    coverReach(time, state, end, span);
   bool added = false;
-  for (const bool isEnd : {false, true}) {
+  // Last at the state, where the gaps of contacts that are asleep are to stay positive.
+  for (const bool isEnd : {true, false}) {
     at_.setPoint(isEnd ? end.time : time, isEnd ? end.state.data() : state);
-    at_.switchingOfAll(ModelEvaluation::Gaps);
-    for (int i = 0; i < model.nc; ++i) {
+    at_.switching(ModelEvaluation::Gaps, reach_.awake());
+    forEachSet(reach_.awake(), at_.model().nc, [&](int i) {
       if (takesPart_[i] || at_.gap[i] > span * std::abs(at_.gapRate[i]))
-        continue;
+        return;
       takesPart_[i] = 1;
       added = true;
-    }
+    });
   }
   return added;
+}
+
+// Contacts that cannot close within `span` of either end, at the velocities there, fall asleep in reach_.
+void RestPrediction::coverReach(double time, const double *state, const RestPoint &end, double span) {
+  const int nq = at_.model().nq;
+  std::vector<double> low(state, state + nq), high = low, coordinateRate(nq);
+  for (const bool isEnd : {false, true}) {
+    const double *q = isEnd ? end.state.data() : state;
+    at_.setPoint(isEnd ? end.time : time, q);
+    at_.kinematics(coordinateRate.data());
+    for (int k = 0; k < nq; ++k) {
+      const double reach = span * std::abs(coordinateRate[k]);
+      low[k] = std::min(low[k], q[k] - reach);
+      high[k] = std::max(high[k], q[k] + reach);
+    }
+  }
+  low.push_back(time);
+  high.push_back(time + span);
+  std::vector<double> center(low), radius(low);
+  for (std::size_t k = 0; k < low.size(); ++k) {
+    center[k] = 0.5 * (low[k] + high[k]);
+    radius[k] = 0.5 * (high[k] - low[k]);
+  }
+  at_.cover(reach_, center.data(), radius.data());
 }
 
 // The contacts that take part and their tangential rows, with gaps and velocities at the state.
@@ -146,15 +180,12 @@ void RestPrediction::chooseRows(double time, const double *state) {
   at_.setPoint(time, state);
   at_.contactTerms(takesPart_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips, takesPart_.data());
-  const std::vector<int> owner = contactsOfTangents(model);
-  const std::vector<TangentRole> roles = rolesOfTangents(model);
   std::vector<int> contacts, tangents;
-  for (int i = 0; i < model.nc; ++i)
-    if (takesPart_[i])
-      contacts.push_back(i);
-  for (int j = 0; j < model.nt; ++j)
-    if (takesPartInImpacts(roles[j]) && (owner[j] < 0 || (takesPart_[owner[j]] && at_.friction[owner[j]] > 0)))
+  forEachSet(takesPart_.data(), model.nc, [&contacts](int i) { contacts.push_back(i); });
+  forEachTangent(model, contacts, [&](int j) {
+    if (takesPartInImpacts(roles_[j]) && (owner_[j] < 0 || at_.friction[owner_[j]] > 0))
       tangents.push_back(j);
+  });
   problem_.resize(static_cast<int>(contacts.size()), static_cast<int>(tangents.size()));
   rows_.choose(model, contacts, tangents, problem_);
   if (!isDisplaced_)

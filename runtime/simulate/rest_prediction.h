@@ -70,6 +70,7 @@ private:
   bool recordImpact(double time, const std::vector<Approach> &approaches);
   void chooseContacts(double time, const double *state);
   bool addReachable(double time, const double *state, const RestPoint &end);
+  void coverReach(double time, const double *state, const RestPoint &end, double span);
   void chooseRows(double time, const double *state);
   void choosePair(int j);
   void classify(const double *state);
@@ -110,6 +111,9 @@ private:
   int pause_ = 0, passed_ = 0;                  // impacts that are let pass before the next attempt, and those that have
   double wait_ = 0;                             // of the last attempt without a prediction, in intervals between impacts
   std::vector<double> change_, moment_;         // workspaces
+  GapScreen reach_;                             // of contacts that a prediction may close
+  std::vector<int> owner_;                      // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;              // nt
 };
 
 }  // namespace tf::runtime

@@ -67,13 +67,16 @@ int elementOfTangent(const tf_model &model, int row) {
 }
 
 void compareModes(const tf_model &model, const Mode &from, const Mode &to, std::vector<Transition> &transitions) {
-  for (int i = 0; i < model.nc; ++i)
-    if (from.closed[i] != to.closed[i])
-      transitions.push_back({to.closed[i] ? TF_EVENT_CLOSING : TF_EVENT_OPENING, i});
-  for (int i = 0; i < model.nc; ++i)
-    compareTangent(model.contacts[i], i, from, to, transitions);
-  for (int f = 0; f < model.nf; ++f)
-    compareTangent(model.frictions[f], model.nc + f, from, to, transitions);
+  if (from.closed != to.closed)
+    for (int i = 0; i < model.nc; ++i)
+      if (from.closed[i] != to.closed[i])
+        transitions.push_back({to.closed[i] ? TF_EVENT_CLOSING : TF_EVENT_OPENING, i});
+  if (from.tangent != to.tangent) {
+    for (int i = 0; i < model.nc; ++i)
+      compareTangent(model.contacts[i], i, from, to, transitions);
+    for (int f = 0; f < model.nf; ++f)
+      compareTangent(model.frictions[f], model.nc + f, from, to, transitions);
+  }
   if (from.switches.empty())
     return;
   for (int j = 0; j < model.ns; ++j) {

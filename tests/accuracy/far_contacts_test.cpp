@@ -132,6 +132,33 @@ end Far;
   EXPECT_NEAR(many["far[50].gap"], std::hypot(dx, dy) + 0.1 * std::sin(many["phi"] + 50) - 1, 1e-11);
 }
 
+// A ball whose bounces are nearly over meets one of many thin posts, and would be behind it when they are over.
+TEST(FarContacts, APostBeforeTheBouncesAreOver) {
+  const std::string file = sourceFile("post_before_rest.tf", R"(
+model Bounces
+  constant Integer n = 40;
+  coordinate Real q[2](start = {0, 1}, der(start = {1, 0}));
+  body ball(mass = 1, position = q);
+  gravity g(acceleration = {0, -9.81});
+  contact floor(gap = q[2], restitution = 0.5);
+  contact post[n](gap = {sqrt((q[1] - (if k == 23 then 1.35 else 10 + k))^2 + 1e-8) - sqrt(2e-8) for k in 1:n}, each restitution = 1);
+end Bounces;
+)");
+  const double rest = 3 * std::sqrt(2 / 9.81);
+  withEachIntegrator(file, 1e-9, 2, [&](CompiledModel &model) {
+    int hits = 0;
+    for (const auto &event : model.events())
+      if (event.kind == TF_EVENT_IMPACT && event.element != 0) {
+        ++hits;
+        EXPECT_EQ(event.element, 23);
+        EXPECT_NEAR(event.time, 1.3499, 1e-9);
+      }
+    EXPECT_EQ(hits, 1);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_REST), rest, 1e-8);
+    EXPECT_NEAR(model["q[1]"], 2 * 1.3499 - 2, 1e-8);
+  });
+}
+
 // A run that goes on from a saved state is the same to the last bit.
 TEST(FarContacts, SavedAndRestored) {
   CompiledModel model(sourceFile("far_saved.tf", R"(
