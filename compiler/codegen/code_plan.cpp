@@ -1,11 +1,16 @@
 #include "compiler/codegen/code_plan.h"
 
-#include "compiler/ir/subgraph.h"
+#include "compiler/codegen/node_homes.h"
+#include "compiler/codegen/unit_shape.h"
 
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <functional>
+#include <limits>
+#include <map>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -17,37 +22,33 @@ namespace {
 using ir::NodeId;
 
 constexpr int always = -1;
-constexpr int nowhere = -2;
 
 // Runs with at least this many zeros are cleared at once.
 constexpr std::size_t shortestClear = 8;
 
-int meet(int a, int b) {
-  if (a == nowhere || a == b)
-    return b;
-  return b == nowhere ? a : always;
-}
+// So many regions of one shape are a repetition, if they save so many steps of code.
+constexpr std::size_t fewestAlike = 4, leastSaving = 50;
+constexpr std::size_t longestRepeated = 2000;  // steps
 
 class Planner {
 public:
   Planner(const ir::Function &function, const ir::Graph &graph, int largestUnit)
       : function_(function), graph_(graph), largestUnit_(largestUnit), reached_(graph, rootsOf(function)),
-        homes_(static_cast<std::size_t>(reached_.size()), nowhere), isSwept_(homes_.size(), 0) {}
+        isSwept_(static_cast<std::size_t>(reached_.size()), 0), likenesses_(likenesses(graph, reached_)) {}
 
   CodePlan run() {
-    findHomes();
     if (function_.sweep)
       findSwept();
     findPartners();
-    order();
-    std::size_t steps = 0;
-    for (const Unit &region : regions_)
-      steps += region.steps.size();
-    plan_.isSplit = function_.sweep || steps > static_cast<std::size_t>(largestUnit_);
-    for (Unit &region : regions_)
-      addRegion(std::move(region));
+    isCleared_ = findClears();
+    layOut(givenGrouping());
+    plan_.isSplit = function_.sweep || stepCount() > static_cast<std::size_t>(largestUnit_);
+    if (plan_.isSplit)
+      repeat();
+    addRegions();
     if (plan_.isSplit)
       assignSlots();
+    fillTables();
     return std::move(plan_);
   }
 
@@ -65,19 +66,110 @@ private:
 
   [[nodiscard]] std::size_t position(NodeId id) const { return static_cast<std::size_t>(reached_.position(id)); }
   [[nodiscard]] bool isLeaf(NodeId id) const { return graph_[id].arity == 0; }
+  [[nodiscard]] bool isSwept(NodeId id) const { return isSwept_[position(id)] != 0; }
+  [[nodiscard]] std::size_t stepCount() const {
+    return std::accumulate(regions_.begin(), regions_.end(), std::size_t{0},
+                           [](std::size_t sum, const Unit &region) { return sum + region.steps.size(); });
+  }
 
-  // The group of which a node is a part: that of all its users.
-  void findHomes() {
+  [[nodiscard]] Grouping givenGrouping() const {
+    Grouping grouping;
+    grouping.guardedCount = grouping.count = function_.groups;
     for (const ir::Store &store : function_.stores)
-      homes_[position(store.node)] = meet(homes_[position(store.node)], store.group);
-    if (function_.sweep)
-      for (const ir::Sweep::Result &result : function_.sweep->results)
-        homes_[position(result.node)] = meet(homes_[position(result.node)], result.group);
-    for (std::size_t k = homes_.size(); k-- > 0;) {
-      const ir::Node &node = graph_[reached_.node(static_cast<int>(k))];
-      for (int j = 0; j < node.arity; ++j)
-        homes_[position(node.operands[j])] = meet(homes_[position(node.operands[j])], homes_[k]);
+      grouping.stores.push_back(store.group);
+    for (std::size_t k = 0; function_.sweep && k < function_.sweep->results.size(); ++k)
+      grouping.results.push_back(function_.sweep->results[k].group);
+    return grouping;
+  }
+
+  // Each store without a guard has a group of its own.
+  [[nodiscard]] Grouping finestGrouping() const {
+    Grouping grouping = givenGrouping();
+    const auto single = [&grouping](int &group) {
+      if (group < 0)
+        group = grouping.count++;
+    };
+    for (std::size_t k = 0; k < grouping.stores.size(); ++k)
+      if (isCleared_[k] == 0)
+        single(grouping.stores[k]);
+    std::ranges::for_each(grouping.results, single);
+    grouping.allPairs = true;
+    return grouping;
+  }
+
+  // Looks for regions that are alike with the finest grouping; what is alike is laid out so, and all else as it is given.
+  void repeat() {
+    Grouping grouping = finestGrouping();
+    layOut(grouping);
+    std::vector<char> isAlike(static_cast<std::size_t>(grouping.count), 0);
+    grouping.allPairs = false;
+    for (const std::vector<std::size_t> &family : findFamilies())
+      for (const std::size_t number : family)
+        if (const Unit &region = regions_[number]; region.second >= 0)
+          grouping.pairs.emplace(region.group, region.second);
+        else
+          isAlike[static_cast<std::size_t>(region.group)] = 1;
+    const auto join = [&](int &group) {
+      if (group >= grouping.guardedCount && isAlike[static_cast<std::size_t>(group)] == 0)
+        group = always;
+    };
+    std::ranges::for_each(grouping.stores, join);
+    std::ranges::for_each(grouping.results, join);
+    layOut(grouping);
+    families_ = findFamilies();
+  }
+
+  // Regions of one shape, each ascending; their places become those of their first ones.
+  [[nodiscard]] std::vector<std::vector<std::size_t>> findFamilies() const {
+    const std::vector<char> leaves = findLeaving();
+    const ShapeContext context = shapeContext([&](NodeId id) { return leaves[position(id)] != 0; });
+    std::map<std::vector<std::int64_t>, std::vector<std::size_t>> regionsOf;
+    for (std::size_t k = 0; k < regions_.size(); ++k) {
+      const Unit &region = regions_[k];
+      if (region.group < 0 || region.steps.empty() || region.steps.size() > longestRepeated)
+        continue;
+      std::vector<std::int64_t> key = shapeOf(region, graph_, context).code;
+      // Those of a loop are executed one after the other.
+      key.push_back(region.isSwept ? 1 : 0);
+      key.push_back(region.second >= 0 ? 1 : 0);
+      key.push_back(region.group < function_.groups ? 1 : 0);
+      regionsOf[std::move(key)].push_back(k);
     }
+    std::vector<std::vector<std::size_t>> families;
+    for (const auto &[key, family] : regionsOf)
+      if (family.size() >= fewestAlike && (family.size() - 1) * regions_[family.front()].steps.size() >= leastSaving)
+        families.push_back(family);
+    std::ranges::sort(families);
+    return families;
+  }
+
+  [[nodiscard]] ShapeContext shapeContext(std::function<bool(NodeId)> leaves) const {
+    return {std::move(leaves), [this](NodeId id) { return isSwept(id); }, likeness_};
+  }
+
+  void fillTables() {
+    const ShapeContext context = shapeContext([this](NodeId id) { return plan_.slotOf(id).index >= 0; });
+    for (Repetition &repetition : plan_.repetitions)
+      repetition.tables =
+          tabulate(std::span(plan_.units).subspan(static_cast<std::size_t>(repetition.first), static_cast<std::size_t>(repetition.count)),
+                   graph_, context, [this](NodeId id) { return plan_.slotOf(id).index; });
+  }
+
+  // Nodes that are used in another region than their own.
+  [[nodiscard]] std::vector<char> findLeaving() const {
+    std::vector<char> leaves(isSwept_.size(), 0);
+    const auto use = [&](NodeId id, std::size_t region) {
+      if (regionOf_[position(id)] != region)
+        leaves[position(id)] = 1;
+    };
+    for (std::size_t k = 0; k < regions_.size(); ++k)
+      for (const Step &step : regions_[k].steps) {
+        if (step.kind == Step::Kind::Store || step.kind == Step::Kind::Result)
+          use(step.node, k);
+        for (int j = 0; step.kind == Step::Kind::Evaluate && j < graph_[step.node].arity; ++j)
+          use(graph_[step.node].operands[j], k);
+      }
+    return leaves;
   }
 
   void findSwept() {
@@ -90,41 +182,47 @@ private:
   }
 
   // Depth first from the stores: each value is computed shortly before its use. A result that no seed moves is an entry of no matrix.
-  void order() {
-    const auto groups = static_cast<std::size_t>(function_.groups) + 1;
-    regions_.resize(function_.sweep ? 2 * groups : groups);
+  void layOut(const Grouping &grouping) {
+    NodeHomes homes(function_, graph_, reached_, grouping);
+    for (const auto &[id, partner] : partners_)
+      if (homes.of(position(id)) == 0)
+        homes.evaluateAlways(position(partner));
+    homes_ = &homes;
+    const std::size_t count = homes.regions().size();
+    regions_.assign(function_.sweep ? 2 * count : count, {});
     for (std::size_t k = 0; k < regions_.size(); ++k) {
-      regions_[k].group = static_cast<int>(k % groups) - 1;
-      regions_[k].isSwept = k >= groups;
+      regions_[k].group = homes.regions()[k % count].group;
+      regions_[k].second = homes.regions()[k % count].second;
+      regions_[k].isSwept = k >= count;
     }
-    for (const ir::Clear &clear : function_.clears)
-      region(clear.group, false).steps.push_back({Step::Kind::Clear, -1, clear.buffer, clear.position, clear.length});
-    const std::vector<char> isCleared = clearZeros();
-    done_.assign(homes_.size(), 0);
+    const auto regionOf = [&](int group, bool isSwept) -> Unit & {
+      return regions_[static_cast<std::size_t>(NodeHomes::regionOfGroup(group)) + (isSwept ? count : 0)];
+    };
+    for (const GroupClear &clear : clears_)
+      regionOf(clear.group, false).steps.push_back(clear.step);
+    regionOf_.assign(isSwept_.size(), undone);
     for (std::size_t k = 0; k < function_.stores.size(); ++k) {
       const ir::Store &store = function_.stores[k];
-      if (isCleared[k] != 0)
+      if (isCleared_[k] != 0)
         continue;
       visit(store.node);
-      region(store.group, false).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
+      regionOf(grouping.stores[k], false).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
     }
     for (std::size_t r = 0; function_.sweep && r < function_.sweep->results.size(); ++r) {
-      const auto &[node, group] = function_.sweep->results[r];
-      if (isSwept_[position(node)] == 0)
+      const NodeId node = function_.sweep->results[r].node;
+      if (!isSwept(node))
         continue;
       visit(node);
-      region(group, true).steps.push_back({Step::Kind::Result, node, 0, static_cast<int>(r), 1});
+      regionOf(grouping.results[r], true).steps.push_back({Step::Kind::Result, node, 0, static_cast<int>(r), 1});
     }
+    homes_ = nullptr;
   }
 
-  Unit &region(int group, bool isSwept) {
-    const int number = group + 1 + (isSwept ? function_.groups + 1 : 0);
-    return regions_[static_cast<std::size_t>(number)];
-  }
-
-  // Begins regions with the clearing of their zeros. Returns which stores are done with that.
-  std::vector<char> clearZeros() {
+  // Regions begin with the clearing of their zeros. Returns which stores are done with that.
+  std::vector<char> findClears() {
     const std::vector<ir::Store> &stores = function_.stores;
+    for (const ir::Clear &clear : function_.clears)
+      clears_.push_back({clear.group, {Step::Kind::Clear, -1, clear.buffer, clear.position, clear.length}});
     std::vector<char> isCleared(stores.size(), 0);
     std::vector<std::size_t> order(stores.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -148,8 +246,7 @@ private:
         }
       if (zeros >= shortestClear) {
         const ir::Store &begin = stores[order[first]];
-        region(begin.group, false)
-            .steps.push_back({Step::Kind::Clear, -1, begin.buffer, begin.position, static_cast<int>(last - first) + 1});
+        clears_.push_back({begin.group, {Step::Kind::Clear, -1, begin.buffer, begin.position, static_cast<int>(last - first) + 1}});
         for (std::size_t k = first; k <= last; ++k)
           isCleared[order[k]] = isZero(order[k]) ? 1 : 0;
       }
@@ -163,14 +260,14 @@ private:
     while (!path.empty()) {
       auto &[id, next] = path.back();
       const ir::Node &node = graph_[id];
-      if (next == 0 && (isLeaf(id) || done_[position(id)] != 0)) {
+      if (next == 0 && (isLeaf(id) || regionOf_[position(id)] != undone)) {
         path.pop_back();
       } else if (next < node.arity) {
-        path.emplace_back(node.operands[next++], 0);
+        path.emplace_back(alignedOperands(node, likeness_)[static_cast<std::size_t>(next++)], 0);
       } else {
         evaluateHere(id);
         if (const auto partner = partners_.find(id);
-            partner != partners_.end() && homes_[position(partner->second)] == homes_[position(id)])
+            partner != partners_.end() && homes_->of(position(partner->second)) == homes_->of(position(id)))
           evaluateHere(partner->second);
         path.pop_back();
       }
@@ -178,9 +275,11 @@ private:
   }
 
   void evaluateHere(NodeId id) {
-    if (done_[position(id)] == 0)
-      region(homes_[position(id)], isSwept_[position(id)] != 0).steps.push_back({Step::Kind::Evaluate, id, 0, 0, 0});
-    done_[position(id)] = 1;
+    std::size_t &region = regionOf_[position(id)];
+    if (region != undone)
+      return;
+    region = static_cast<std::size_t>(homes_->of(position(id))) + (isSwept(id) ? homes_->regions().size() : 0);
+    regions_[region].steps.push_back({Step::Kind::Evaluate, id, 0, 0, 0});
   }
 
   // Sine and cosine of the same argument are evaluated side by side, where one call gives both: it costs hardly more than one of them, so
@@ -197,9 +296,41 @@ private:
         partners_[first->second] = id;
       }
     }
-    for (const auto &[id, partner] : partners_)
-      if (homes_[position(id)] == always)
-        homes_[position(partner)] = always;
+  }
+
+  // In an order in which they can be executed; those that are alike one after the other.
+  void addRegions() {
+    std::vector<std::size_t> order(regions_.size()), placeOf(regions_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::iota(placeOf.begin(), placeOf.end(), std::size_t{0});
+    for (const std::vector<std::size_t> &family : families_)
+      for (const std::size_t member : family)
+        placeOf[member] = family.front();
+    const auto rank = [&](std::size_t k) {
+      const Unit &region = regions_[k];
+      return std::tuple(region.isSwept, region.group < 0 ? 0 : region.second >= 0 ? 1 : 2, placeOf[k], k);
+    };
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+    std::map<std::size_t, std::size_t> sizeOf;
+    for (const std::vector<std::size_t> &family : families_)
+      sizeOf[family.front()] = family.size();
+    for (const std::size_t k : order) {
+      const auto family = sizeOf.find(placeOf[k]);
+      if (family == sizeOf.end()) {
+        addRegion(withoutGroups(std::move(regions_[k])));
+        continue;
+      }
+      if (k == placeOf[k])
+        plan_.repetitions.push_back({static_cast<int>(plan_.units.size()), static_cast<int>(family->second), {}});
+      plan_.units.push_back(withoutGroups(std::move(regions_[k])));
+    }
+  }
+
+  // Groups beside those of the function have no guard.
+  [[nodiscard]] Unit withoutGroups(Unit unit) const {
+    if (unit.group >= function_.groups)
+      unit.group = unit.second = always;
+    return unit;
   }
 
   void addRegion(Unit region) {
@@ -207,14 +338,14 @@ private:
     for (std::size_t begin = 0; begin < region.steps.size(); begin += size) {
       const auto first = region.steps.begin() + static_cast<std::ptrdiff_t>(begin);
       const auto last = region.steps.begin() + static_cast<std::ptrdiff_t>(std::min(begin + size, region.steps.size()));
-      plan_.units.push_back({region.group, {first, last}, region.isSwept});
+      plan_.units.push_back({region.group, region.second, {first, last}, region.isSwept});
     }
   }
 
   // Linear scan over the units: a slot is free again after the last unit that reads it; one that the loop reads, after the loop.
   void assignSlots() {
     const int unitCount = static_cast<int>(plan_.units.size());
-    std::vector<int> lastUse(homes_.size(), -1);
+    std::vector<int> lastUse(isSwept_.size(), -1);
     for (int u = 0; u < unitCount; ++u)
       for (const Step &step : plan_.units[static_cast<std::size_t>(u)].steps)
         noteUses(step, u, lastUse);
@@ -258,15 +389,28 @@ private:
       use(node.operands[j]);
   }
 
+  // What is cleared under the guard of a group.
+  struct GroupClear {
+    int group = -1;
+    Step step;
+  };
+  static constexpr std::size_t undone = std::numeric_limits<std::size_t>::max();
+
   const ir::Function &function_;
   const ir::Graph &graph_;
   int largestUnit_;
   ir::Subgraph reached_;
-  std::vector<int> homes_;
   std::vector<char> isSwept_;  // depends on seeds
-  std::vector<char> done_;
-  std::vector<Unit> regions_;
+  std::vector<std::uint64_t> likenesses_;
+  std::function<std::uint64_t(NodeId)> likeness_ = [this](NodeId id) { return likenesses_[position(id)]; };
+  std::vector<GroupClear> clears_;
+  std::vector<char> isCleared_;  // stores
   std::unordered_map<NodeId, NodeId> partners_;
+  // The layout.
+  NodeHomes *homes_ = nullptr;
+  std::vector<Unit> regions_;
+  std::vector<std::size_t> regionOf_;               // of the nodes
+  std::vector<std::vector<std::size_t>> families_;  // of regions
   CodePlan plan_;
 };
 

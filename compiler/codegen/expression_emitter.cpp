@@ -71,6 +71,8 @@ Value *ExpressionEmitter::find(ir::NodeId id) {
 
 llvm::Value *ExpressionEmitter::number(ir::NodeId id) {
   const ir::Node &node = graph_[id];
+  if (const auto replaced = replaced_.find(id); node.arity == 0 && replaced != replaced_.end())
+    return replaced->second;
   if (node.op == Op::Constant)
     return literal(node.value);
   Value *value = find(id);
@@ -127,6 +129,13 @@ llvm::Value *ExpressionEmitter::load(ir::Symbol symbol) {
   return invariantLoad(builder_.getDoubleTy(), address, symbol.kind == ir::SymbolKind::Time ? name : name + llvm::Twine(symbol.index));
 }
 
+llvm::Value *ExpressionEmitter::load(ir::Symbol symbol, llvm::Value *index) {
+  if (symbol.kind == ir::SymbolKind::Seed)
+    return builder_.CreateAlignedLoad(rowType(), builder_.CreateInBoundsGEP(rowType(), frame_, index), rowAlignment());
+  llvm::Value *address = builder_.CreateInBoundsGEP(builder_.getDoubleTy(), array(argumentOf(symbol.kind).array), index);
+  return invariantLoad(builder_.getDoubleTy(), address, "");
+}
+
 void ExpressionEmitter::evaluate(ir::NodeId id) {
   const ir::Node &node = graph_[id];
   for (int k = 0; k < node.arity; ++k)  // loads in the order of the operands, whatever the order of evaluation of arguments in C++
@@ -136,6 +145,8 @@ void ExpressionEmitter::evaluate(ir::NodeId id) {
   for (int k = 0; k < node.arity; ++k)
     if (const Value *operand = find(node.operands[k]); operand != nullptr && operand->number != nullptr)
       isWide_ = isWide_ || operand->number->getType()->isVectorTy();
+    else if (const auto replaced = replaced_.find(node.operands[k]); replaced != replaced_.end())
+      isWide_ = isWide_ || replaced->second->getType()->isVectorTy();
   const Value value = emit(node);
   isWide_ = false;
   scopes_.back().values[id] = value;

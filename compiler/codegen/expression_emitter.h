@@ -37,6 +37,10 @@ public:
   [[nodiscard]] llvm::Type *rowType() { return llvm::FixedVectorType::get(builder_.getDoubleTy(), sweepLanes); }
   [[nodiscard]] static llvm::Align rowAlignment() { return llvm::Align(sweepLanes * sizeof(double)); }
   void define(ir::NodeId id, llvm::Value *number) { scopes_.back().values[id].number = number; }
+  // The constant or symbol has this value instead of its own.
+  void replace(ir::NodeId leaf, llvm::Value *number) { replaced_[leaf] = number; }
+  // The symbol's entry `index` of its array instead of its own.
+  llvm::Value *load(ir::Symbol symbol, llvm::Value *index);
   [[nodiscard]] llvm::Value *number(ir::NodeId id);
   // A load that may be moved and repeated: nothing writes there while the function runs.
   llvm::Value *invariantLoad(llvm::Type *type, llvm::Value *address, const llvm::Twine &name);
@@ -73,6 +77,7 @@ private:
   llvm::Value *frame_ = nullptr;
   bool isWide_ = false;  // the operation that is being emitted has vectors as operands
   std::vector<Scope> scopes_;
+  std::unordered_map<ir::NodeId, llvm::Value *> replaced_;
 };
 
 }  // namespace tf::codegen

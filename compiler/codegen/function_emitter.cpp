@@ -1,5 +1,6 @@
 #include "compiler/codegen/function_emitter.h"
 
+#include "compiler/codegen/control_flow.h"
 #include "compiler/codegen/expression_emitter.h"
 #include "compiler/codegen/sweep_emitter.h"
 
@@ -8,6 +9,8 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <string>
+#include <unordered_map>
 #include <unordered_set>
 #include <utility>
 
@@ -57,6 +60,35 @@ public:
     firstSlotRow_ = firstSlotRow(sweep);
   }
 
+  // What units of a repetition differ in comes from a row of its tables.
+  void setRow(const LoopTables &tables, llvm::Value *wholes, llvm::Value *reals) {
+    for (std::size_t k = 0; k < tables.places.size(); ++k) {
+      const Place &place = tables.places[k];
+      if (place.kind == Place::Kind::Constant) {
+        if (const RealSource source = tables.reals[k]; source.column >= 0)
+          expressions_.replace(place.node, readRow(builder_.getDoubleTy(), reals, source.column));
+        continue;
+      }
+      const WholeSource source = tables.wholes[k];
+      if (source.column < 0 && place.kind == Place::Kind::Symbol)
+        continue;
+      llvm::Value *number = wholeNumber(source, wholes);
+      switch (place.kind) {
+      case Place::Kind::Symbol:
+        expressions_.replace(place.node, expressions_.load(graph_[place.node].symbol, number));
+        break;
+      case Place::Kind::Slot:
+        slotNumbers_[place.node] = number;
+        break;
+      case Place::Kind::Position:
+        positions_[place.step] = number;
+        break;
+      default:
+        lengths_[place.step] = number;
+      }
+    }
+  }
+
   void openScope() {
     expressions_.openScope();
     outerBuffers_ = buffers_;
@@ -67,7 +99,9 @@ public:
   }
 
   void emit(const Unit &unit) {
-    for (const Step &step : unit.steps) {
+    for (std::size_t k = 0; k < unit.steps.size(); ++k) {
+      const Step &step = unit.steps[k];
+      const int number = static_cast<int>(k);
       switch (step.kind) {
       case Step::Kind::Evaluate:
         evaluate(step.node);
@@ -75,15 +109,16 @@ public:
       case Step::Kind::Store:
         if (plan_.isSplit)
           fetch(step.node);
-        builder_.CreateAlignedStore(expressions_.number(step.node), address(step), llvm::Align(8));
+        builder_.CreateAlignedStore(expressions_.number(step.node), address(step, number), llvm::Align(8));
         break;
       case Step::Kind::Result:
         fetch(step.node);
-        builder_.CreateAlignedStore(expressions_.number(step.node), expressions_.rowAddress(firstResultRow_ + step.position),
+        builder_.CreateAlignedStore(expressions_.number(step.node), row(positionOf(step, number), firstResultRow_),
                                     ExpressionEmitter::rowAlignment());
         break;
       case Step::Kind::Clear:
-        builder_.CreateMemSet(address(step), builder_.getInt8(0), static_cast<std::uint64_t>(step.length) * sizeof(double), llvm::Align(8));
+        builder_.CreateMemSet(address(step, number), builder_.getInt8(0),
+                              builder_.CreateNSWMul(lengthOf(step, number), builder_.getInt64(sizeof(double))), llvm::Align(8));
         break;
       }
     }
@@ -97,7 +132,7 @@ private:
         fetch(node.operands[k]);
     expressions_.evaluate(id);
     if (const Slot slot = plan_.slotOf(id); slot.index >= 0)
-      builder_.CreateAlignedStore(expressions_.number(id), slotAddress(slot), alignmentOf(slot));
+      builder_.CreateAlignedStore(expressions_.number(id), slotAddress(id, slot), alignmentOf(slot));
     fetched_.insert(id);
   }
 
@@ -108,24 +143,53 @@ private:
     const Slot slot = plan_.slotOf(id);
     assert(slot.index >= 0 && "a value from another unit has a slot");
     llvm::Type *type = slot.isSwept ? expressions_.rowType() : builder_.getDoubleTy();
-    expressions_.define(id, expressions_.invariantLoad(type, slotAddress(slot), ""));
+    expressions_.define(id, expressions_.invariantLoad(type, slotAddress(id, slot), ""));
   }
 
-  llvm::Value *slotAddress(Slot slot) {
+  llvm::Value *slotAddress(ir::NodeId id, Slot slot) {
+    const auto found = slotNumbers_.find(id);
+    llvm::Value *number = found != slotNumbers_.end() ? found->second : builder_.getInt64(static_cast<std::uint64_t>(slot.index));
     if (slot.isSwept)
-      return expressions_.rowAddress(firstSlotRow_ + slot.index);
-    return builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), slots_, static_cast<unsigned>(slot.index));
+      return row(number, firstSlotRow_);
+    return builder_.CreateInBoundsGEP(builder_.getDoubleTy(), slots_, number);
   }
 
   static llvm::Align alignmentOf(Slot slot) { return slot.isSwept ? ExpressionEmitter::rowAlignment() : llvm::Align(8); }
 
-  llvm::Value *address(const Step &step) {
+  // Row `number` of the frame's rows from `first` on.
+  llvm::Value *row(llvm::Value *number, int first) {
+    return builder_.CreateInBoundsGEP(expressions_.rowType(), expressions_.rowAddress(first), number);
+  }
+
+  llvm::Value *address(const Step &step, int number) {
     llvm::Value *&buffer = buffers_[step.buffer];
     if (buffer == nullptr) {
       llvm::Value *slot = builder_.CreateConstInBoundsGEP1_32(builder_.getPtrTy(), outputs_, static_cast<unsigned>(step.buffer));
       buffer = expressions_.invariantLoad(builder_.getPtrTy(), slot, "out" + llvm::Twine(step.buffer));
     }
-    return builder_.CreateConstInBoundsGEP1_32(builder_.getDoubleTy(), buffer, static_cast<unsigned>(step.position));
+    return builder_.CreateInBoundsGEP(builder_.getDoubleTy(), buffer, positionOf(step, number));
+  }
+
+  llvm::Value *positionOf(const Step &step, int number) { return numberOf(positions_, number, step.position); }
+  llvm::Value *lengthOf(const Step &step, int number) { return numberOf(lengths_, number, step.length); }
+  llvm::Value *numberOf(const std::map<int, llvm::Value *> &tabulated, int step, int own) {
+    const auto found = tabulated.find(step);
+    return found != tabulated.end() ? found->second : builder_.getInt64(static_cast<std::uint64_t>(own));
+  }
+
+  llvm::Value *wholeNumber(WholeSource source, llvm::Value *wholes) {
+    llvm::Value *offset = builder_.getInt64(static_cast<std::uint64_t>(source.offset));
+    if (source.column < 0)
+      return offset;
+    llvm::Value *entry = builder_.CreateSExt(readRow(builder_.getInt32Ty(), wholes, source.column), builder_.getInt64Ty());
+    return source.offset == 0 ? entry : builder_.CreateNSWAdd(entry, offset);
+  }
+
+  llvm::Value *readRow(llvm::Type *type, llvm::Value *tableRow, int column) {
+    llvm::Value *place = builder_.CreateConstInBoundsGEP1_32(type, tableRow, static_cast<unsigned>(column));
+    llvm::LoadInst *load = builder_.CreateLoad(type, place);
+    load->setMetadata(llvm::LLVMContext::MD_invariant_load, llvm::MDNode::get(builder_.getContext(), {}));
+    return load;
   }
 
   const ir::Graph &graph_;
@@ -137,6 +201,9 @@ private:
   int firstResultRow_ = 0, firstSlotRow_ = 0;
   std::map<int, llvm::Value *> buffers_, outerBuffers_;
   std::unordered_set<ir::NodeId> fetched_;
+  // Of a repetition: slots of nodes, positions and lengths of steps.
+  std::unordered_map<ir::NodeId, llvm::Value *> slotNumbers_;
+  std::map<int, llvm::Value *> positions_, lengths_;
 };
 
 // A unit of a split plan as a function of its own.
@@ -157,13 +224,45 @@ llvm::Function *emitPiece(const ir::Function &function, const ir::Graph &graph, 
   return piece;
 }
 
-// Emits `body` under `if (mask[group])`.
-template <class Body> void guarded(llvm::IRBuilder<> &builder, llvm::Function *target, int group, const Body &body) {
+// The units of a repetition as one function of a row of its tables.
+llvm::Function *emitRepeated(const ir::Function &function, const ir::Graph &graph, const CodePlan &plan, std::size_t index,
+                             const LoopTables &tables, llvm::Module &module) {
+  const Unit &unit = plan.units[index];
+  llvm::SmallVector<llvm::StringRef, 6> arguments{"in", "out", "slots", "wholes", "reals"};
+  if (unit.isSwept)
+    arguments.push_back("frame");
+  llvm::Function *piece = createFunction(module, function.name + "." + llvm::Twine(index), arguments);
+  piece->addFnAttr(llvm::Attribute::NoInline);
+  UnitEmitter emitter(graph, plan, piece);
+  emitter.setSlots(piece->getArg(2));
+  if (unit.isSwept)
+    emitter.setFrame(piece->getArg(5), *function.sweep);
+  emitter.setRow(tables, piece->getArg(3), piece->getArg(4));
+  emitter.emit(unit);
+  emitter.builder().CreateRetVoid();
+  return piece;
+}
+
+// Whether a group is selected, or either of two.
+llvm::Value *isSelected(llvm::IRBuilder<> &builder, llvm::Value *mask, llvm::Value *group, llvm::Value *second) {
+  const auto flag = [&](llvm::Value *number) {
+    return builder.CreateLoad(builder.getInt8Ty(), builder.CreateInBoundsGEP(builder.getInt8Ty(), mask, number));
+  };
+  llvm::Value *flags = flag(group);
+  if (second != nullptr)
+    flags = builder.CreateOr(flags, flag(second));
+  return builder.CreateIsNotNull(flags);
+}
+
+// Emits `body` under the guard of the unit.
+template <class Body> void guarded(llvm::IRBuilder<> &builder, llvm::Function *target, const Unit &unit, const Body &body) {
   llvm::LLVMContext &context = builder.getContext();
-  llvm::BasicBlock *taken = llvm::BasicBlock::Create(context, "group" + llvm::Twine(group), target);
-  llvm::BasicBlock *next = llvm::BasicBlock::Create(context, "after" + llvm::Twine(group), target);
-  llvm::Value *address = builder.CreateConstInBoundsGEP1_32(builder.getInt8Ty(), target->getArg(2), static_cast<unsigned>(group));
-  builder.CreateCondBr(builder.CreateIsNotNull(builder.CreateLoad(builder.getInt8Ty(), address)), taken, next);
+  llvm::BasicBlock *taken = llvm::BasicBlock::Create(context, "group" + llvm::Twine(unit.group), target);
+  llvm::BasicBlock *next = llvm::BasicBlock::Create(context, "after" + llvm::Twine(unit.group), target);
+  const auto number = [&builder](int group) { return builder.getInt32(static_cast<std::uint32_t>(group)); };
+  llvm::Value *selected =
+      isSelected(builder, target->getArg(2), number(unit.group), unit.second < 0 ? nullptr : number(unit.second));
+  builder.CreateCondBr(selected, taken, next);
   builder.SetInsertPoint(taken);
   body();
   builder.CreateBr(next);
@@ -202,22 +301,66 @@ private:
   // Units from `first` up to `last`, those of a group under its guard.
   void emit(std::size_t first, std::size_t last) {
     while (first < last) {
-      const int group = plan_.units[first].group;
+      if (const Repetition *repetition = repetitionAt(first); repetition != nullptr) {
+        emitLoop(*repetition);
+        first += static_cast<std::size_t>(repetition->count);
+        continue;
+      }
+      const Unit &unit = plan_.units[first];
       const std::size_t begin = first;
-      while (first < last && plan_.units[first].group == group)
+      const auto isAlike = [&unit](const Unit &other) { return other.group == unit.group && other.second == unit.second; };
+      while (first < last && isAlike(plan_.units[first]) && (first == begin || repetitionAt(first) == nullptr))
         ++first;
       const auto body = [&] {
         for (std::size_t index = begin; index < first; ++index)
           emitUnit(index);
       };
-      if (group < 0) {
+      if (unit.group < 0) {
         body();
         continue;
       }
       units_.openScope();
-      guarded(builder_, target_, group, body);
+      guarded(builder_, target_, unit, body);
       units_.closeScope();
     }
+  }
+
+  [[nodiscard]] const Repetition *repetitionAt(std::size_t unit) const {
+    const auto found = std::ranges::lower_bound(plan_.repetitions, static_cast<int>(unit), {}, &Repetition::first);
+    return found != plan_.repetitions.end() && found->first == static_cast<int>(unit) ? &*found : nullptr;
+  }
+
+  void emitLoop(const Repetition &repetition) {
+    const auto index = static_cast<std::size_t>(repetition.first);
+    const LoopTables &tables = repetition.tables;
+    llvm::Function *piece = emitRepeated(function_, graph_, plan_, index, tables, module_);
+    const std::string name = function_.name + "." + std::to_string(index);
+    llvm::Constant *wholes = constantTable(module_, name + ".wholes", llvm::ArrayRef<std::int32_t>(tables.wholeRows));
+    llvm::Constant *reals = constantTable(module_, name + ".reals", llvm::ArrayRef<double>(tables.realRows));
+    llvm::SmallVector<llvm::Value *, 6> arguments{target_->getArg(0), target_->getArg(1), slots_, nullptr, nullptr};
+    if (plan_.units[index].isSwept)
+      arguments.push_back(frame_);
+    countedLoop(builder_, builder_.getInt32(0), builder_.getInt32(static_cast<std::uint32_t>(repetition.count)), [&](llvm::Value *row) {
+      const auto rowOf = [&](llvm::Type *type, llvm::Value *table, int columns) {
+        return builder_.CreateInBoundsGEP(type, table, builder_.CreateNSWMul(row, builder_.getInt32(static_cast<std::uint32_t>(columns))));
+      };
+      arguments[3] = rowOf(builder_.getInt32Ty(), wholes, tables.wholeColumns);
+      arguments[4] = rowOf(builder_.getDoubleTy(), reals, tables.realColumns);
+      const auto body = [&] { builder_.CreateCall(piece, arguments); };
+      if (plan_.units[index].group < 0)
+        return body();
+      const auto groupOf = [&](WholeSource source) {
+        llvm::Value *offset = builder_.getInt32(static_cast<std::uint32_t>(source.offset));
+        if (source.column < 0)
+          return offset;
+        llvm::Value *entry = builder_.CreateLoad(
+            builder_.getInt32Ty(),
+            builder_.CreateConstInBoundsGEP1_32(builder_.getInt32Ty(), arguments[3], static_cast<unsigned>(source.column)));
+        return builder_.CreateNSWAdd(entry, offset);
+      };
+      llvm::Value *second = plan_.units[index].second < 0 ? nullptr : groupOf(tables.second);
+      whereTrue(builder_, isSelected(builder_, target_->getArg(2), groupOf(tables.group), second), body);
+    });
   }
 
   void emitUnit(std::size_t index) {

@@ -1,5 +1,6 @@
 #include "compiler/codegen/sweep_emitter.h"
 
+#include "compiler/codegen/control_flow.h"
 #include "compiler/codegen/expression_emitter.h"
 
 #include <llvm/IR/Constants.h>
@@ -38,33 +39,6 @@ Tables tabulate(const ir::Sweep &sweep) {
   for (const ir::Sweep::Result &result : sweep.results)
     tables.resultGroups.push_back(result.group);
   return tables;
-}
-
-llvm::Constant *table(llvm::Module &module, const std::string &name, const std::vector<std::int32_t> &numbers) {
-  llvm::Constant *values = llvm::ConstantDataArray::get(module.getContext(), llvm::ArrayRef<std::int32_t>(numbers));
-  auto *variable = new llvm::GlobalVariable(module, values->getType(), true, llvm::GlobalValue::PrivateLinkage, values, name);
-  variable->setUnnamedAddr(llvm::GlobalValue::UnnamedAddr::Global);
-  return variable;
-}
-
-// for (k = begin; k < end; ++k) body(k)
-void countedLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *end, const std::function<void(llvm::Value *)> &body) {
-  llvm::Function *function = builder.GetInsertBlock()->getParent();
-  llvm::LLVMContext &context = builder.getContext();
-  llvm::BasicBlock *before = builder.GetInsertBlock();
-  llvm::BasicBlock *head = llvm::BasicBlock::Create(context, "head", function);
-  llvm::BasicBlock *inside = llvm::BasicBlock::Create(context, "body", function);
-  llvm::BasicBlock *after = llvm::BasicBlock::Create(context, "after", function);
-  builder.CreateBr(head);
-  builder.SetInsertPoint(head);
-  llvm::PHINode *index = builder.CreatePHI(builder.getInt32Ty(), 2, "k");
-  index->addIncoming(begin, before);
-  builder.CreateCondBr(builder.CreateICmpSLT(index, end), inside, after);
-  builder.SetInsertPoint(inside);
-  body(index);
-  index->addIncoming(builder.CreateNSWAdd(index, builder.getInt32(1)), builder.GetInsertBlock());
-  builder.CreateBr(head);
-  builder.SetInsertPoint(after);
 }
 
 // Goes to `yes` where the group is −1 or selected, else to `no`.
@@ -179,9 +153,9 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
   llvm::IRBuilder<> &builder = context.builder;
   llvm::Module &module = *builder.GetInsertBlock()->getModule();
   const Tables tables = tabulate(sweep);
-  llvm::Constant *seeds = table(module, name + ".seeds", tables.seeds), *seedBegin = table(module, name + ".seedBegin", tables.seedBegin);
-  llvm::Constant *runs = table(module, name + ".runs", tables.runs), *runBegin = table(module, name + ".runBegin", tables.runBegin);
-  llvm::Constant *groups = table(module, name + ".resultGroups", tables.resultGroups);
+  llvm::Constant *seeds = constantTable<std::int32_t>(module, name + ".seeds", tables.seeds), *seedBegin = constantTable<std::int32_t>(module, name + ".seedBegin", tables.seedBegin);
+  llvm::Constant *runs = constantTable<std::int32_t>(module, name + ".runs", tables.runs), *runBegin = constantTable<std::int32_t>(module, name + ".runBegin", tables.runBegin);
+  llvm::Constant *groups = constantTable<std::int32_t>(module, name + ".resultGroups", tables.resultGroups);
   const std::uint64_t rowBytes = sweepLanes * sizeof(double);
   builder.CreateMemSet(context.frame, builder.getInt8(0), static_cast<std::uint64_t>(sweep.seedCount) * rowBytes,
                        llvm::Align(sizeof(double)));

@@ -42,6 +42,10 @@ void deriveTangents(Derivation &derivation) {
     system.tangents.push_back({slips[k], bias[k], row(jacobian, k, columns)});
 }
 
+// Rows of so many entries on the average are of bodies that touch one another, not of mechanisms: together they are in proportion to the
+// number of contacts, and code of like contacts is there once.
+constexpr std::size_t shortRow = 16;
+
 // Jnᵀ sn + Jtᵀ st = ∂(snᵀ gap' + stᵀ slip)/∂v if it is of less code than the rows; they are then known to be non-zero and not to depend on
 // velocities.
 std::vector<NodeId> contactForce(HybridSystem &system) {
@@ -57,11 +61,15 @@ std::vector<NodeId> contactForce(HybridSystem &system) {
       ir::reverseDerivative(graph, rates, symbols(graph, SymbolKind::Seed, count), symbols(graph, SymbolKind::Velocity, system.nv));
   const std::vector<std::vector<int>> structure = ir::seedStructure(graph, force, count);
   std::vector<char> moves(rates.size(), 0);
-  for (const std::vector<int> &seeds : structure)
+  std::size_t entries = 0;
+  for (const std::vector<int> &seeds : structure) {
+    entries += seeds.size();
     for (const int seed : seeds)
       moves[static_cast<std::size_t>(seed)] = 1;
+  }
   const auto isVelocity = [](ir::Symbol symbol) { return symbol.kind == SymbolKind::Velocity; };
-  if (std::ranges::count(moves, 0) > 0 || ir::dependsOn(graph, force, isVelocity) ||
+  const bool areShort = entries <= shortRow * rates.size();
+  if (areShort || std::ranges::count(moves, 0) > 0 || ir::dependsOn(graph, force, isVelocity) ||
       !ir::isSweepSmaller(graph, force, count, fewRowEntries))
     return {};
   return force;

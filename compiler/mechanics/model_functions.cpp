@@ -45,9 +45,17 @@ public:
 
   void store(int buffer, int position, NodeId node, int group) { function_.stores.push_back({buffer, position, node, group}); }
 
-  void storeRow(int buffer, int row, std::span<const NodeId> nodes, int group) {
+  // Long rows that are mostly `zero` (the constant 0) are cleared as a whole first.
+  void storeRow(int buffer, int row, std::span<const NodeId> nodes, int group, NodeId zero) {
+    constexpr std::size_t longRow = 16, mostly = 2;
+    const int length = static_cast<int>(nodes.size()), first = row * length;
+    const auto zeros = static_cast<std::size_t>(std::ranges::count(nodes, zero));
+    const bool isCleared = nodes.size() >= longRow && mostly * zeros >= nodes.size();
+    if (isCleared)
+      function_.clears.push_back({buffer, first, length, group});
     for (std::size_t k = 0; k < nodes.size(); ++k)
-      store(buffer, row * static_cast<int>(nodes.size()) + static_cast<int>(k), nodes[k], group);
+      if (!isCleared || nodes[k] != zero)
+        store(buffer, first + static_cast<int>(k), nodes[k], group);
   }
 
   // Rows of equal length at `buffer` that a sweep computes, row k in group(k).
@@ -152,7 +160,7 @@ private:
     const std::vector<NodeId> matrix = ir::jacobian(graph_, nodes, x_);
     const int buffer = builder.emptyBuffer(static_cast<int>(matrix.size()));
     for (std::size_t i = 0; i < nodes.size(); ++i)
-      builder.storeRow(buffer, static_cast<int>(i), std::span(matrix).subspan(i * x_.size(), x_.size()), group(i));
+      builder.storeRow(buffer, static_cast<int>(i), std::span(matrix).subspan(i * x_.size(), x_.size()), group(i), graph_.constant(0));
   }
 
   HybridSystem &system_;
@@ -243,10 +251,11 @@ void ModelFunctions::addContactTerms(FunctionBuilder &builder) {
   const int normal = builder.emptyBuffer(contacts_ * system_.nv), normalBias = builder.emptyBuffer(contacts_);
   const int tangent = builder.emptyBuffer(tangents_ * system_.nv), tangentBias = builder.emptyBuffer(tangents_);
   const int friction = builder.emptyBuffer(contacts_), bound = builder.emptyBuffer(tangents_);
+  const NodeId zero = graph_.constant(0);
   for (int k = 0; k < contacts_; ++k) {
     const Contact &contact = system_.contacts[static_cast<std::size_t>(k)];
     if (system_.contactForce.empty())
-      builder.storeRow(normal, k, contact.normal, k);
+      builder.storeRow(normal, k, contact.normal, k, zero);
     builder.store(normalBias, k, contact.bias, k);
     builder.store(friction, k, contact.friction, k);
   }
@@ -254,7 +263,7 @@ void ModelFunctions::addContactTerms(FunctionBuilder &builder) {
   for (int k = 0; k < tangents_; ++k) {
     const auto row = static_cast<std::size_t>(k);
     if (system_.contactForce.empty())
-      builder.storeRow(tangent, k, system_.tangents[row].jacobian, rowGroup_[row]);
+      builder.storeRow(tangent, k, system_.tangents[row].jacobian, rowGroup_[row], zero);
     builder.store(tangentBias, k, system_.tangents[row].bias, rowGroup_[row]);
     builder.store(bound, k, bounds[row], rowGroup_[row]);
   }

@@ -186,5 +186,55 @@ TEST_F(CodePlanTest, SweepsAreLoops) {
   EXPECT_TRUE(isInLoop);
 }
 
+// Units of the same steps at other places, with other constants; what two groups have in common is under a guard of both.
+TEST_F(CodePlanTest, GroupsThatAreAlikeAreRepeated) {
+  std::vector<ir::Store> stores;
+  std::map<NodeId, int> pairOf;
+  for (int k = 0; k < 30; ++k) {
+    NodeId shared = g.add(g.mul(x, g.constant(k + 2)), y);
+    for (int n = 0; n < 5; ++n)
+      shared = g.unary(Op::Exp, shared);
+    pairOf[shared] = k;
+    stores.push_back({0, 2 * k, g.unary(Op::Sqrt, shared), 2 * k});
+    stores.push_back({0, 2 * k + 1, g.mul(shared, y), 2 * k + 1});
+  }
+  const CodePlan plan = planCode(function(60, 60, stores), g, 100);
+  ASSERT_TRUE(plan.isSplit);
+  std::map<NodeId, const Unit *> unitOf;
+  for (const Unit &unit : plan.units)
+    for (const Step &step : unit.steps) {
+      if (step.kind != Step::Kind::Evaluate)
+        continue;
+      EXPECT_TRUE(unitOf.emplace(step.node, &unit).second) << "a node is in one unit";
+    }
+  for (const auto &[shared, k] : pairOf) {
+    EXPECT_EQ(unitOf.at(shared)->group, 2 * k);
+    EXPECT_EQ(unitOf.at(shared)->second, 2 * k + 1);
+    EXPECT_GE(plan.slotOf(shared).index, 0);
+  }
+  ASSERT_FALSE(plan.repetitions.empty());
+  EXPECT_EQ(plan.repetitions.front().first, 0) << "what groups have in common comes first";
+  EXPECT_EQ(plan.repetitions.front().count, 30);
+  int end = 0;
+  for (const Repetition &repetition : plan.repetitions) {
+    EXPECT_GE(repetition.first, end);
+    end = repetition.first + repetition.count;
+    for (int u = repetition.first; u < end; ++u)
+      EXPECT_EQ(plan.units[static_cast<std::size_t>(u)].steps.size(), plan.units[static_cast<std::size_t>(repetition.first)].steps.size());
+  }
+}
+
+// A node that three groups need, or one and what is stored always, has no guard.
+TEST_F(CodePlanTest, WhatManyNeedHasNoGuard) {
+  std::vector<ir::Store> stores;
+  const NodeId common = g.unary(Op::Tan, x);
+  for (int k = 0; k < 60; ++k)
+    stores.push_back({0, k, g.unary(Op::Exp, g.unary(Op::Exp, g.mul(common, g.constant(k + 2)))), k});
+  const CodePlan plan = planCode(function(60, 60, stores), g, 100);
+  ASSERT_TRUE(plan.isSplit);
+  EXPECT_EQ(groupOf(plan, common), -1);
+  EXPECT_EQ(plan.units.front().steps.front().node, common);
+}
+
 }  // namespace
 }  // namespace tf::codegen

@@ -1,11 +1,13 @@
 // Generated code against the interpreter ir::evaluate, in memory and as a shared library, at all levels of optimisation.
 #include "compiled_fixture.h"
 
+#include "compiler/codegen/code_plan.h"
 #include "compiler/ir/sweep.h"
 #include "lang/base/trigonometry.h"
 #include "tests/unit/compiler/ir/random_graph.h"
 #include "tests/unit/compiler/ir/run_sweep.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -120,6 +122,64 @@ Compiled randomSweep(unsigned seed, int groups) {
   ir::addSweep(function, results, ir::seedStructure(g, results, seeds), seeds, overColumns ? ir::SweepOver::Columns : ir::SweepOver::Rows,
                rows);
   return result;
+}
+
+// `count` pairs of groups, each of which evaluates the same with other constants, symbols and places; the two of a pair have some of it in
+// common, and so have some of what is stored always. Every fifth one is of another kind.
+Compiled likeGroups(int count) {
+  Compiled result;
+  result.system.name = "alike";
+  result.system.nz = 30;
+  ir::Graph &g = result.system.graph;
+  ir::Function function{"dynamics", {3 * count, 12 * count, count}, 2 * count, {}};
+  const auto state = [&g](int k) { return g.symbol(SymbolKind::State, k % 30); };
+  for (int k = 0; k < count; ++k) {
+    const NodeId angle = g.add(g.mul(g.constant(0.1 * k + 0.3), state(k)), state(3 * k + 1));
+    const NodeId shared = g.mul(g.unary(Op::Sin, angle), k % 5 == 0 ? g.binary(Op::Pow, state(k + 2), g.constant(3)) : state(k + 2));
+    function.stores.push_back({0, 3 * k, shared, k});
+    function.stores.push_back({0, 3 * k + 1, g.div(g.unary(Op::Cos, angle), g.add(state(k + 8), g.constant(5))), k});
+    function.stores.push_back({0, 3 * k + 2, g.mul(shared, g.unary(Op::Exp, state(k + 4))), count + k});
+    for (int column = 0; column < 12; ++column)
+      function.stores.push_back({1, 12 * k + column, column == k % 12 ? g.mul(shared, angle) : g.constant(0), k});
+    function.stores.push_back({2, k, g.unary(Op::Atan, g.mul(state(k + 11), g.constant(k + 0.5))), -1});
+  }
+  result.functions = asDynamics(std::move(function));
+  return result;
+}
+
+TEST(Repetitions, EqualTheInterpreterBitForBit) {
+  constexpr int count = 25;
+  const Compiled compiled = likeGroups(count);
+  EXPECT_GE(planCode(compiled.function(), compiled.system.graph, 300).repetitions.size(), 4U);
+  std::mt19937 engine(7);
+  std::uniform_real_distribution<double> uniform(-2, 2);
+  for (const int optimization : {0, 2}) {
+    const auto inMemory = compileInMemory(compiled.source(), {optimization, ""});
+    const Loaded shared(emit(compiled.source(), EmitKind::SharedLibrary, {optimization, ""}));
+    for (int trial = 0; trial < 10; ++trial) {
+      Call call(compiled.function());
+      for (double &value : call.inputs[TF_IN_Z])
+        value = uniform(engine);
+      std::vector<std::uint8_t> mask(2 * count);
+      for (std::uint8_t &flag : mask)
+        flag = trial == 0 ? 1 : trial == 1 ? 0 : engine() % 3 == 0 ? 1 : 0;
+      const auto expected = interpret(compiled.function(), compiled.system.graph, call, mask);
+      Call again = call;
+      call.run(inMemory->model()->dynamics, mask);
+      expectSame(expected, call.outputs, "in memory");
+      again.run(shared.model()->dynamics, mask);
+      expectSame(expected, again.outputs, "shared");
+    }
+  }
+}
+
+// What is added to the model is rows of tables.
+TEST(Repetitions, CodeDoesNotGrow) {
+  const auto linesOf = [](int count) {
+    const std::string text = emit(likeGroups(count).source(), EmitKind::LlvmIr, {0, ""});
+    return std::ranges::count(text, '\n');
+  };
+  EXPECT_EQ(linesOf(160), linesOf(80));
 }
 
 class RandomFunctions : public ::testing::TestWithParam<unsigned> {};
