@@ -34,11 +34,17 @@ class Planner {
 public:
   Planner(const ir::Function &function, const ir::Graph &graph, int largestUnit)
       : function_(function), graph_(graph), largestUnit_(largestUnit), reached_(graph, rootsOf(function)),
-        isSwept_(static_cast<std::size_t>(reached_.size()), 0), likenesses_(likenesses(graph, reached_)) {}
+        isSwept_(static_cast<std::size_t>(reached_.size()), 0), likenesses_(likenesses(graph, reached_)),
+        positions_(static_cast<std::size_t>(graph.size()), -1) {
+    for (int k = 0; k < reached_.size(); ++k)
+      positions_[static_cast<std::size_t>(reached_.node(k))] = k;
+  }
 
   CodePlan run() {
     if (function_.sweep)
       findSwept();
+    if (!function_.additions.empty())
+      findLate();
     findPartners();
     isCleared_ = findClears();
     layOut(givenGrouping());
@@ -58,13 +64,15 @@ private:
     roots.reserve(function.stores.size());
     for (const ir::Store &store : function.stores)
       roots.push_back(store.node);
+    for (const ir::Store &addition : function.additions)
+      roots.push_back(addition.node);
     if (function.sweep)
       for (const ir::Sweep::Result &result : function.sweep->results)
         roots.push_back(result.node);
     return roots;
   }
 
-  [[nodiscard]] std::size_t position(NodeId id) const { return static_cast<std::size_t>(reached_.position(id)); }
+  [[nodiscard]] std::size_t position(NodeId id) const { return static_cast<std::size_t>(positions_[static_cast<std::size_t>(id)]); }
   [[nodiscard]] bool isLeaf(NodeId id) const { return graph_[id].arity == 0; }
   [[nodiscard]] bool isSwept(NodeId id) const { return isSwept_[position(id)] != 0; }
   [[nodiscard]] std::size_t stepCount() const {
@@ -77,6 +85,8 @@ private:
     grouping.guardedCount = grouping.count = function_.groups;
     for (const ir::Store &store : function_.stores)
       grouping.stores.push_back(store.group);
+    for (const ir::Store &addition : function_.additions)
+      grouping.additions.push_back(addition.group);
     for (std::size_t k = 0; function_.sweep && k < function_.sweep->results.size(); ++k)
       grouping.results.push_back(function_.sweep->results[k].group);
     return grouping;
@@ -130,7 +140,7 @@ private:
         continue;
       std::vector<std::int64_t> key = shapeOf(region, graph_, context).code;
       // Those of a loop are executed one after the other.
-      key.push_back(region.isSwept ? 1 : 0);
+      key.push_back(region.isSwept ? Swept : region.isLate ? Late : Early);
       key.push_back(region.second >= 0 ? 1 : 0);
       key.push_back(region.group < function_.groups ? 1 : 0);
       regionsOf[std::move(key)].push_back(k);
@@ -164,7 +174,7 @@ private:
     };
     for (std::size_t k = 0; k < regions_.size(); ++k)
       for (const Step &step : regions_[k].steps) {
-        if (step.kind == Step::Kind::Store || step.kind == Step::Kind::Result)
+        if (step.kind != Step::Kind::Evaluate && step.kind != Step::Kind::Clear)
           use(step.node, k);
         for (int j = 0; step.kind == Step::Kind::Evaluate && j < graph_[step.node].arity; ++j)
           use(graph_[step.node].operands[j], k);
@@ -181,39 +191,58 @@ private:
     }
   }
 
+  // What is needed for additions only.
+  void findLate() {
+    isLate_.assign(isSwept_.size(), 1);
+    const auto useEarly = [this](NodeId id) { isLate_[position(id)] = 0; };
+    for (const ir::Store &store : function_.stores)
+      useEarly(store.node);
+    for (std::size_t k = 0; function_.sweep && k < function_.sweep->results.size(); ++k)
+      useEarly(function_.sweep->results[k].node);
+    for (std::size_t k = isLate_.size(); k-- > 0;)
+      if (const ir::Node &node = graph_[reached_.node(static_cast<int>(k))]; isLate_[k] == 0)
+        std::for_each_n(node.operands, node.arity, useEarly);
+  }
+
   // Depth first from the stores: each value is computed shortly before its use. A result that no seed moves is an entry of no matrix.
   void layOut(const Grouping &grouping) {
-    NodeHomes homes(function_, graph_, reached_, grouping);
+    NodeHomes homes(function_, graph_, reached_, positions_, grouping);
     for (const auto &[id, partner] : partners_)
       if (homes.of(position(id)) == 0)
         homes.evaluateAlways(position(partner));
     homes_ = &homes;
     const std::size_t count = homes.regions().size();
-    regions_.assign(function_.sweep ? 2 * count : count, {});
+    regions_.assign(3 * count, {});
     for (std::size_t k = 0; k < regions_.size(); ++k) {
       regions_[k].group = homes.regions()[k % count].group;
       regions_[k].second = homes.regions()[k % count].second;
-      regions_[k].isSwept = k >= count;
+      regions_[k].isSwept = k / count == Swept;
+      regions_[k].isLate = k / count == Late;
     }
-    const auto regionOf = [&](int group, bool isSwept) -> Unit & {
-      return regions_[static_cast<std::size_t>(NodeHomes::regionOfGroup(group)) + (isSwept ? count : 0)];
+    const auto regionOf = [&](int group, Phase phase) -> Unit & {
+      return regions_[static_cast<std::size_t>(NodeHomes::regionOfGroup(group)) + phase * count];
     };
     for (const GroupClear &clear : clears_)
-      regionOf(clear.group, false).steps.push_back(clear.step);
+      regionOf(clear.group, Early).steps.push_back(clear.step);
     regionOf_.assign(isSwept_.size(), undone);
     for (std::size_t k = 0; k < function_.stores.size(); ++k) {
       const ir::Store &store = function_.stores[k];
       if (isCleared_[k] != 0)
         continue;
       visit(store.node);
-      regionOf(grouping.stores[k], false).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
+      regionOf(grouping.stores[k], Early).steps.push_back({Step::Kind::Store, store.node, store.buffer, store.position, 1});
     }
     for (std::size_t r = 0; function_.sweep && r < function_.sweep->results.size(); ++r) {
       const NodeId node = function_.sweep->results[r].node;
       if (!isSwept(node))
         continue;
       visit(node);
-      regionOf(grouping.results[r], true).steps.push_back({Step::Kind::Result, node, 0, static_cast<int>(r), 1});
+      regionOf(grouping.results[r], Swept).steps.push_back({Step::Kind::Result, node, 0, static_cast<int>(r), 1});
+    }
+    for (std::size_t k = 0; k < function_.additions.size(); ++k) {
+      const ir::Store &addition = function_.additions[k];
+      visit(addition.node);
+      regionOf(grouping.additions[k], Late).steps.push_back({Step::Kind::Add, addition.node, addition.buffer, addition.position, 1});
     }
     homes_ = nullptr;
   }
@@ -278,7 +307,8 @@ private:
     std::size_t &region = regionOf_[position(id)];
     if (region != undone)
       return;
-    region = static_cast<std::size_t>(homes_->of(position(id))) + (isSwept(id) ? homes_->regions().size() : 0);
+    const Phase phase = isSwept(id) ? Swept : !isLate_.empty() && isLate_[position(id)] != 0 ? Late : Early;
+    region = static_cast<std::size_t>(homes_->of(position(id))) + phase * homes_->regions().size();
     regions_[region].steps.push_back({Step::Kind::Evaluate, id, 0, 0, 0});
   }
 
@@ -308,7 +338,7 @@ private:
         placeOf[member] = family.front();
     const auto rank = [&](std::size_t k) {
       const Unit &region = regions_[k];
-      return std::tuple(region.isSwept, region.group < 0 ? 0 : region.second >= 0 ? 1 : 2, placeOf[k], k);
+      return std::tuple(region.isLate, region.isSwept, region.group < 0 ? 0 : region.second >= 0 ? 1 : 2, placeOf[k], k);
     };
     std::ranges::sort(order, [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
     std::map<std::size_t, std::size_t> sizeOf;
@@ -338,7 +368,7 @@ private:
     for (std::size_t begin = 0; begin < region.steps.size(); begin += size) {
       const auto first = region.steps.begin() + static_cast<std::ptrdiff_t>(begin);
       const auto last = region.steps.begin() + static_cast<std::ptrdiff_t>(std::min(begin + size, region.steps.size()));
-      plan_.units.push_back({region.group, region.second, {first, last}, region.isSwept});
+      plan_.units.push_back({region.group, region.second, {first, last}, region.isSwept, region.isLate});
     }
   }
 
@@ -380,7 +410,7 @@ private:
       const bool isFromOutside = isInLoop && isSwept_[position(id)] == 0;
       lastUse[position(id)] = isFromOutside ? static_cast<int>(plan_.units.size()) - 1 : unit;
     };
-    if (step.kind == Step::Kind::Store || step.kind == Step::Kind::Result)
+    if (step.kind != Step::Kind::Evaluate && step.kind != Step::Kind::Clear)
       use(step.node);
     if (step.kind != Step::Kind::Evaluate)
       return;
@@ -394,6 +424,8 @@ private:
     int group = -1;
     Step step;
   };
+  // When regions are executed.
+  enum Phase : std::size_t { Early, Swept, Late };
   static constexpr std::size_t undone = std::numeric_limits<std::size_t>::max();
 
   const ir::Function &function_;
@@ -401,7 +433,9 @@ private:
   int largestUnit_;
   ir::Subgraph reached_;
   std::vector<char> isSwept_;  // depends on seeds
+  std::vector<char> isLate_;   // empty without additions
   std::vector<std::uint64_t> likenesses_;
+  std::vector<int> positions_;  // of the graph's nodes in what is reached
   std::function<std::uint64_t(NodeId)> likeness_ = [this](NodeId id) { return likenesses_[position(id)]; };
   std::vector<GroupClear> clears_;
   std::vector<char> isCleared_;  // stores

@@ -14,11 +14,12 @@ struct Repetition {
 };
 
 // Contract. Units come in an order in which they can be executed: those without a guard first, then those of two groups, then group by
-// group; then those of the sweep's loop, which holds exactly the nodes that depend on seeds, in the same order. Constants and symbols are in
-// no unit; each unit that needs one makes or loads it. Every other node is in exactly one unit. A node that several groups need is evaluated
-// always, and so is the sine beside a cosine that is. Of a split plan each unit is a function of its own, or repeated; values that leave
-// their unit pass through a slot of an array of `slotCount` numbers or `sweptSlotCount` rows; nodes that two groups need are under a guard
-// of both where many such units are alike; and what is stored always is in units of its own where many of these are.
+// group; then those of the sweep's loop, which holds exactly the nodes that depend on seeds, in the same order; then what is added.
+// Constants and symbols are in no unit; each unit that needs one makes or loads it. Every other node is in exactly one unit. A node that
+// several groups need is evaluated always, and so is the sine beside a cosine that is. Of a split plan each unit is a function of its own,
+// or repeated; values that leave their unit pass through a slot of an array of `slotCount` numbers or `sweptSlotCount` rows; nodes that two
+// groups need are under a guard of both where many such units are alike; and what is stored always is in units of its own where many of
+// these are.
 struct CodePlan {
   std::vector<Unit> units;
   std::vector<Repetition> repetitions;  // ascending; no units in common

@@ -13,6 +13,7 @@ struct Step {
   enum class Kind : std::uint8_t {
     Evaluate,  // node
     Store,     // out[buffer][position] = node
+    Add,       // out[buffer][position] += node
     Clear,     // out[buffer][position … position + length − 1] = 0; other steps may store there afterwards
     Result,    // result `position` of the sweep = node
   };
@@ -27,6 +28,7 @@ struct Unit {
   int second = -1;  // another group that is enough; −1: none
   std::vector<Step> steps;
   bool isSwept = false;  // in the loop of the function's sweep
+  bool isLate = false;   // behind it: what is added
 };
 
 // A number of the array through which values pass from unit to unit, or, of a value that depends on the seeds, a row of the sweep's frame.

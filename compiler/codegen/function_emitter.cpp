@@ -111,6 +111,14 @@ public:
           fetch(step.node);
         builder_.CreateAlignedStore(expressions_.number(step.node), address(step, number), llvm::Align(8));
         break;
+      case Step::Kind::Add: {
+        if (plan_.isSplit)
+          fetch(step.node);
+        llvm::Value *place = address(step, number);
+        llvm::Value *before = builder_.CreateAlignedLoad(builder_.getDoubleTy(), place, llvm::Align(8));
+        builder_.CreateAlignedStore(builder_.CreateFAdd(before, expressions_.number(step.node)), place, llvm::Align(8));
+        break;
+      }
       case Step::Kind::Result:
         fetch(step.node);
         builder_.CreateAlignedStore(expressions_.number(step.node), row(positionOf(step, number), firstResultRow_),
@@ -260,8 +268,7 @@ template <class Body> void guarded(llvm::IRBuilder<> &builder, llvm::Function *t
   llvm::BasicBlock *taken = llvm::BasicBlock::Create(context, "group" + llvm::Twine(unit.group), target);
   llvm::BasicBlock *next = llvm::BasicBlock::Create(context, "after" + llvm::Twine(unit.group), target);
   const auto number = [&builder](int group) { return builder.getInt32(static_cast<std::uint32_t>(group)); };
-  llvm::Value *selected =
-      isSelected(builder, target->getArg(2), number(unit.group), unit.second < 0 ? nullptr : number(unit.second));
+  llvm::Value *selected = isSelected(builder, target->getArg(2), number(unit.group), unit.second < 0 ? nullptr : number(unit.second));
   builder.CreateCondBr(selected, taken, next);
   builder.SetInsertPoint(taken);
   body();
@@ -282,6 +289,7 @@ public:
       slots_ = builder_.CreateAlloca(llvm::ArrayType::get(number, static_cast<std::uint64_t>(plan_.slotCount)), nullptr, "slots");
     const auto isSwept = [](const Unit &unit) { return unit.isSwept; };
     const auto loop = static_cast<std::size_t>(std::ranges::find_if(plan_.units, isSwept) - plan_.units.begin());
+    const std::size_t afterLoop = loop + static_cast<std::size_t>(std::ranges::count_if(plan_.units, isSwept));
     if (function_.sweep) {
       llvm::Type *row = llvm::FixedVectorType::get(number, sweepLanes);
       const int rows = firstSlotRow(*function_.sweep) + plan_.sweptSlotCount;
@@ -289,10 +297,13 @@ public:
       frame->setAlignment(ExpressionEmitter::rowAlignment());
       frame_ = frame;
     }
-    emit(0, loop);
+    const auto isLate = [](const Unit &unit) { return unit.isLate; };
+    const auto late = static_cast<std::size_t>(std::ranges::find_if(plan_.units, isLate) - plan_.units.begin());
+    emit(0, std::min(loop, late));
     if (function_.sweep)
       emitSweep(*function_.sweep, function_.name, {builder_, target_->getArg(1), target_->getArg(2), frame_},
-                [&] { emit(loop, plan_.units.size()); });
+                [&] { emit(loop, afterLoop); });
+    emit(late, plan_.units.size());
     builder_.CreateRetVoid();
     return target_;
   }
@@ -353,9 +364,9 @@ private:
         llvm::Value *offset = builder_.getInt32(static_cast<std::uint32_t>(source.offset));
         if (source.column < 0)
           return offset;
-        llvm::Value *entry = builder_.CreateLoad(
-            builder_.getInt32Ty(),
-            builder_.CreateConstInBoundsGEP1_32(builder_.getInt32Ty(), arguments[3], static_cast<unsigned>(source.column)));
+        llvm::Value *entry =
+            builder_.CreateLoad(builder_.getInt32Ty(), builder_.CreateConstInBoundsGEP1_32(builder_.getInt32Ty(), arguments[3],
+                                                                                           static_cast<unsigned>(source.column)));
         return builder_.CreateNSWAdd(entry, offset);
       };
       llvm::Value *second = plan_.units[index].second < 0 ? nullptr : groupOf(tables.second);

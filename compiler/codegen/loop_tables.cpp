@@ -104,8 +104,8 @@ LoopTables tabulate(std::span<const Unit> units, const ir::Graph &graph, const S
   tables.second = whole([&](std::size_t row) { return units[row].second; });
   for (std::size_t k = 0; k < tables.places.size(); ++k) {
     const bool isConstant = tables.places[k].kind == Place::Kind::Constant;
-    tables.wholes.push_back(
-        isConstant ? WholeSource{} : whole([&](std::size_t row) { return wholeAt(shapes[row].places[k], units[row], graph, slotOf); }));
+    tables.wholes.push_back(isConstant ? WholeSource{}
+                                       : whole([&](std::size_t row) { return wholeAt(shapes[row].places[k], units[row], graph, slotOf); }));
     tables.reals.emplace_back();
     if (!isConstant)
       continue;

@@ -21,7 +21,7 @@ struct RealSource {
 };
 
 struct LoopTables {
-  std::vector<Place> places;  // of the first unit
+  std::vector<Place> places;        // of the first unit
   std::vector<WholeSource> wholes;  // of each place (of no use for constants)
   std::vector<RealSource> reals;    // of each place (of use for constants)
   WholeSource group, second;        // of the guard; −1: none

@@ -10,18 +10,21 @@ constexpr int nowhere = -1;
 
 }  // namespace
 
-NodeHomes::NodeHomes(const ir::Function &function, const ir::Graph &graph, const ir::Subgraph &reached, const Grouping &grouping)
+NodeHomes::NodeHomes(const ir::Function &function, const ir::Graph &graph, const ir::Subgraph &reached, const std::vector<int> &positions,
+                     const Grouping &grouping)
     : grouping_(grouping), regions_(1), homes_(static_cast<std::size_t>(reached.size()), nowhere) {
   for (int group = 0; group < grouping.count; ++group)
     regions_.push_back({group, -1});
   const auto use = [&](ir::NodeId node, int region) {
-    int &home = homes_[static_cast<std::size_t>(reached.position(node))];
+    int &home = homes_[static_cast<std::size_t>(positions[static_cast<std::size_t>(node)])];
     home = meet(home, region);
   };
   for (std::size_t k = 0; k < function.stores.size(); ++k)
     use(function.stores[k].node, regionOfGroup(grouping.stores[k]));
   for (std::size_t k = 0; function.sweep && k < function.sweep->results.size(); ++k)
     use(function.sweep->results[k].node, regionOfGroup(grouping.results[k]));
+  for (std::size_t k = 0; k < function.additions.size(); ++k)
+    use(function.additions[k].node, regionOfGroup(grouping.additions[k]));
   for (std::size_t k = homes_.size(); k-- > 0;) {
     const ir::Node &node = graph[reached.node(static_cast<int>(k))];
     for (int j = 0; j < node.arity; ++j)

@@ -22,14 +22,16 @@ using GroupPair = std::pair<int, int>;  // ascending
 // without a guard, of what is stored always.
 struct Grouping {
   int guardedCount = 0, count = 0;
-  std::vector<int> stores, results;  // groups; −1: none
-  bool allPairs = false;             // nodes that two groups need may have a region of both: all such, or
-  std::set<GroupPair> pairs;         // these
+  std::vector<int> stores, results, additions;  // groups; −1: none
+  bool allPairs = false;                        // nodes that two groups need may have a region of both: all such, or
+  std::set<GroupPair> pairs;                    // these
 };
 
 class NodeHomes {
 public:
-  NodeHomes(const ir::Function &function, const ir::Graph &graph, const ir::Subgraph &reached, const Grouping &grouping);
+  // `positions`: of the graph's nodes in what is reached.
+  NodeHomes(const ir::Function &function, const ir::Graph &graph, const ir::Subgraph &reached, const std::vector<int> &positions,
+            const Grouping &grouping);
 
   // Region 0 is that of what is evaluated always, then come those of the groups, then those of pairs.
   [[nodiscard]] const std::vector<Region> &regions() const { return regions_; }

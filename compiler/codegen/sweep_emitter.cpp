@@ -153,8 +153,10 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
   llvm::IRBuilder<> &builder = context.builder;
   llvm::Module &module = *builder.GetInsertBlock()->getModule();
   const Tables tables = tabulate(sweep);
-  llvm::Constant *seeds = constantTable<std::int32_t>(module, name + ".seeds", tables.seeds), *seedBegin = constantTable<std::int32_t>(module, name + ".seedBegin", tables.seedBegin);
-  llvm::Constant *runs = constantTable<std::int32_t>(module, name + ".runs", tables.runs), *runBegin = constantTable<std::int32_t>(module, name + ".runBegin", tables.runBegin);
+  llvm::Constant *seeds = constantTable<std::int32_t>(module, name + ".seeds", tables.seeds),
+                 *seedBegin = constantTable<std::int32_t>(module, name + ".seedBegin", tables.seedBegin);
+  llvm::Constant *runs = constantTable<std::int32_t>(module, name + ".runs", tables.runs),
+                 *runBegin = constantTable<std::int32_t>(module, name + ".runBegin", tables.runBegin);
   llvm::Constant *groups = constantTable<std::int32_t>(module, name + ".resultGroups", tables.resultGroups);
   const std::uint64_t rowBytes = sweepLanes * sizeof(double);
   builder.CreateMemSet(context.frame, builder.getInt8(0), static_cast<std::uint64_t>(sweep.seedCount) * rowBytes,

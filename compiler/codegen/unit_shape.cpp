@@ -29,6 +29,7 @@ private:
     case Step::Kind::Evaluate:
       return readNode(step.node);
     case Step::Kind::Store:
+    case Step::Kind::Add:
     case Step::Kind::Result:
       readOperand(step.node);
       return place({Place::Kind::Position, -1, number});

@@ -51,14 +51,15 @@ struct Sweep {
 };
 
 // Contract: nodes are roots in the graph passed beside it; every position of a buffer is stored at most once; groups are numbered from 0
-// below `groups`. Nodes reachable from stores of one group only are evaluated under its guard; those of several groups, always. Stores do
-// not depend on seeds.
+// below `groups`. Nodes reachable from stores of one group only are evaluated under its guard; those of several groups, always, or where
+// one of them is selected. Stores and additions do not depend on seeds.
 struct Function {
   std::string name;
   std::vector<int> bufferSizes;
   int groups = 0;
   std::vector<Store> stores;
   std::vector<Clear> clears{};
+  std::vector<Store> additions{};  // out[buffer][position] += node, in any order, when all else has been stored
   std::optional<Sweep> sweep{};
 };
 

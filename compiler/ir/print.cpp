@@ -362,9 +362,9 @@ std::string print(const Graph &graph, NodeId root, const SymbolNames &name) {
 
 std::string print(const Function &function, const Graph &graph, const SymbolNames &name) {
   std::vector<NodeId> roots;
-  roots.reserve(function.stores.size());
-  for (const Store &store : function.stores)
-    roots.push_back(store.node);
+  for (const std::vector<Store> *stores : {&function.stores, &function.additions})
+    for (const Store &store : *stores)
+      roots.push_back(store.node);
   if (function.sweep)
     for (const Sweep::Result &result : function.sweep->results)
       roots.push_back(result.node);
@@ -374,13 +374,17 @@ std::string print(const Function &function, const Graph &graph, const SymbolName
   std::string text = fmt::format("function {}\n", function.name);
   for (const auto &[id, shared] : names)
     text += fmt::format("  {} = {}\n", shared, printer.text(id, true));
-  for (const Store &store : function.stores) {
-    const std::string guard = store.group < 0 ? "" : fmt::format("  if mask[{}]", store.group);
-    text += fmt::format("  out[{}][{}] = {}{}\n", store.buffer, store.position, printer.text(store.node), guard);
-  }
+  const auto list = [&](const std::vector<Store> &stores, const char *sign) {
+    for (const Store &store : stores) {
+      const std::string guard = store.group < 0 ? "" : fmt::format("  if mask[{}]", store.group);
+      text += fmt::format("  out[{}][{}] {} {}{}\n", store.buffer, store.position, sign, printer.text(store.node), guard);
+    }
+  };
+  list(function.stores, "=");
   if (function.sweep)
     for (std::size_t k = 0; k < function.sweep->results.size(); ++k)
       text += fmt::format("  result[{}] = {}\n", k, printer.text(function.sweep->results[k].node));
+  list(function.additions, "+=");
   return text;
 }
 

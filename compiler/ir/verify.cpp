@@ -82,15 +82,16 @@ std::string verifySweep(const Function &function, const Graph &graph, std::set<s
 std::string verify(const Function &function, const Graph &graph) {
   std::set<std::pair<int, int>> stored;
   std::vector<NodeId> nodes;
-  for (const Store &store : function.stores) {
-    if (std::string wrong = wrongPlace(function, store.buffer, store.position, store.group); !wrong.empty())
-      return wrong;
-    if (store.node < 0 || store.node >= graph.size())
-      return fmt::format("{}: out[{}][{}]: there is no node {}", function.name, store.buffer, store.position, store.node);
-    if (!stored.emplace(store.buffer, store.position).second)
-      return fmt::format("{}: out[{}][{}]: stored twice", function.name, store.buffer, store.position);
-    nodes.push_back(store.node);
-  }
+  for (const std::vector<Store> *stores : {&function.stores, &function.additions})
+    for (const Store &store : *stores) {
+      if (std::string wrong = wrongPlace(function, store.buffer, store.position, store.group); !wrong.empty())
+        return wrong;
+      if (store.node < 0 || store.node >= graph.size())
+        return fmt::format("{}: out[{}][{}]: there is no node {}", function.name, store.buffer, store.position, store.node);
+      if (stores == &function.stores && !stored.emplace(store.buffer, store.position).second)
+        return fmt::format("{}: out[{}][{}]: stored twice", function.name, store.buffer, store.position);
+      nodes.push_back(store.node);
+    }
   if (dependsOn(graph, nodes, [](Symbol symbol) { return symbol.kind == SymbolKind::Seed; }))
     return fmt::format("{}: a store depends on a seed", function.name);
   for (const Clear &clear : function.clears)

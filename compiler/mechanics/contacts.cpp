@@ -42,10 +42,6 @@ void deriveTangents(Derivation &derivation) {
     system.tangents.push_back({slips[k], bias[k], row(jacobian, k, columns)});
 }
 
-// Rows of so many entries on the average are of bodies that touch one another, not of mechanisms: together they are in proportion to the
-// number of contacts, and code of like contacts is there once.
-constexpr std::size_t shortRow = 16;
-
 // Jnᵀ sn + Jtᵀ st = ∂(snᵀ gap' + stᵀ slip)/∂v if it is of less code than the rows; they are then known to be non-zero and not to depend on
 // velocities.
 std::vector<NodeId> contactForce(HybridSystem &system) {

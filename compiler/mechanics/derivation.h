@@ -61,6 +61,9 @@ struct Inertial {
 // M and derivatives of at most so many entries are always written out: straight-line code is the fastest while it is small. Entries of
 // contacts' rows are shorter, and evaluated for closed contacts only.
 inline constexpr std::size_t fewEntries = 1000, fewRowEntries = 4000;
+// Contacts' rows of so many entries on the average are of bodies that touch one another, not of mechanisms: together they are in proportion
+// to the number of contacts, and code of like contacts is there once.
+inline constexpr std::size_t shortRow = 16;
 
 // M, f and the residual M v' − f − Jᵀλ.
 void deriveDynamics(Derivation &derivation);

@@ -4,6 +4,7 @@
 #include "compiler/mechanics/derivation.h"
 
 #include <algorithm>
+#include <functional>
 #include <limits>
 #include <map>
 #include <utility>
@@ -52,11 +53,15 @@ public:
     const auto zeros = static_cast<std::size_t>(std::ranges::count(nodes, zero));
     const bool isCleared = nodes.size() >= longRow && mostly * zeros >= nodes.size();
     if (isCleared)
-      function_.clears.push_back({buffer, first, length, group});
+      clear(buffer, first, length, group);
     for (std::size_t k = 0; k < nodes.size(); ++k)
       if (!isCleared || nodes[k] != zero)
         store(buffer, first + static_cast<int>(k), nodes[k], group);
   }
+
+  void add(int buffer, int position, NodeId node, int group) { function_.additions.push_back({buffer, position, node, group}); }
+
+  void clear(int buffer, int position, int length, int group) { function_.clears.push_back({buffer, position, length, group}); }
 
   // Rows of equal length at `buffer` that a sweep computes, row k in group(k).
   template <class Group> static void addRows(std::vector<ir::MatrixRow> &rows, int buffer, int count, int length, Group group) {
@@ -84,6 +89,8 @@ public:
                                       std::pair{SymbolKind::State, system.nz}, std::pair{SymbolKind::Input, system.nu}})
       std::ranges::copy(mechanics::symbols(graph_, kind, count), std::back_inserter(x_));
     x_.push_back(graph_.symbol(SymbolKind::Time));
+    for (std::size_t k = 0; k < x_.size(); ++k)
+      columnOf_[{graph_[x_[k]].symbol.kind, graph_[x_[k]].symbol.index}] = static_cast<int>(k);
     rowGroup_.assign(static_cast<std::size_t>(tangents_), -1);
     for (int k = 0; k < contacts_; ++k)
       assign(system.contacts[static_cast<std::size_t>(k)].tangentFirst, system.contacts[static_cast<std::size_t>(k)].tangentCount, k);
@@ -153,12 +160,27 @@ private:
     return mechanics::timeDerivative(system_, nodes, mechanics::AlongMotion::WithAcceleration);
   }
 
-  bool jacobianSweep(FunctionBuilder &builder, const std::vector<NodeId> &nodes, const std::vector<ir::MatrixRow> &rows, int buffers);
+  // Of dynamics_derivatives.
+  enum DerivativeBuffer : int { Residual, StateDerivatives, NormalRows, TangentRows, Frictions, Bounds, ConstraintRows };
+  // Jn A + bias and Jt A + bias.
+  struct ContactRates {
+    std::vector<NodeId> normal, tangent;
+  };
+
+  bool jacobianSweep(FunctionBuilder &builder, const std::vector<NodeId> &nodes, const std::vector<ir::MatrixRow> &rows);
+  [[nodiscard]] bool areContactsApart() const;
+  std::vector<NodeId> residualOfBodies();
+  template <class Entry> void derivatives(const std::vector<NodeId> &nodes, const Entry &entry);
+  void storeDerivatives(FunctionBuilder &builder, int buffer, int first, const std::vector<NodeId> &nodes, int group);
+  void addForceDerivatives(FunctionBuilder &builder, const Contact &contact, int number);
+  void addContactDerivatives(FunctionBuilder &builder, const ContactRates &rates);
 
   // A buffer of d nodes/dx, row i in group(i).
   template <class Group> void jacobianBuffer(FunctionBuilder &builder, const std::vector<NodeId> &nodes, Group group) {
+    storeJacobian(builder, builder.emptyBuffer(static_cast<int>(nodes.size() * x_.size())), nodes, group);
+  }
+  template <class Group> void storeJacobian(FunctionBuilder &builder, int buffer, const std::vector<NodeId> &nodes, Group group) {
     const std::vector<NodeId> matrix = ir::jacobian(graph_, nodes, x_);
-    const int buffer = builder.emptyBuffer(static_cast<int>(matrix.size()));
     for (std::size_t i = 0; i < nodes.size(); ++i)
       builder.storeRow(buffer, static_cast<int>(i), std::span(matrix).subspan(i * x_.size(), x_.size()), group(i), graph_.constant(0));
   }
@@ -166,6 +188,7 @@ private:
   HybridSystem &system_;
   ir::Graph &graph_;
   int contacts_, frictions_, tangents_;
+  std::map<std::pair<SymbolKind, int>, int> columnOf_;
   std::vector<NodeId> x_;      // columns of derivative matrices: q, v, z, u, t
   std::vector<int> rowGroup_;  // of tangential rows: contacts, then friction elements
 };
@@ -340,6 +363,101 @@ ir::Function ModelFunctions::stepDerivatives() {
   return builder.take();
 }
 
+// Derivatives of contacts whose rows are short are written out by contact, so that code of like contacts is there once, and run for those
+// that are selected only.
+bool ModelFunctions::areContactsApart() const {
+  // Few contacts are no more code than what they are added to.
+  constexpr int many = 16;
+  if (contacts_ < many || !system_.contactForce.empty())
+    return false;
+  const NodeId zero = graph_.constant(0);
+  std::size_t entries = 0;
+  const auto count = [&](const std::vector<NodeId> &row) {
+    entries += row.size() - static_cast<std::size_t>(std::ranges::count(row, zero));
+  };
+  for (const Contact &contact : system_.contacts)
+    count(contact.normal);
+  for (const TangentRow &tangent : system_.tangents)
+    count(tangent.jacobian);
+  return entries <= mechanics::shortRow * static_cast<std::size_t>(contacts_ + tangents_);
+}
+
+// M v' − f − Jᵀλ without what belongs to contacts.
+std::vector<NodeId> ModelFunctions::residualOfBodies() {
+  return ir::substitute(graph_, system_.residual, [this](ir::Symbol symbol) {
+    const bool isOfContact = symbol.kind == SymbolKind::NormalForce ||
+                             (symbol.kind == SymbolKind::TangentForce && rowGroup_[static_cast<std::size_t>(symbol.index)] < contacts_);
+    return isOfContact ? graph_.constant(0) : NodeId{-1};
+  });
+}
+
+// Calls entry(k, column, node) for each derivative of nodes[k] by a variable of x that may differ from zero.
+template <class Entry> void ModelFunctions::derivatives(const std::vector<NodeId> &nodes, const Entry &entry) {
+  std::vector<NodeId> variables;
+  std::vector<int> columns;
+  std::map<int, NodeId> used;  // by column
+  for (const std::vector<ir::Symbol> &symbols : ir::dependencies(graph_, nodes))
+    for (const ir::Symbol symbol : symbols)
+      if (const auto column = columnOf_.find({symbol.kind, symbol.index}); column != columnOf_.end())
+        used.emplace(column->second, x_[static_cast<std::size_t>(column->second)]);
+  for (const auto &[column, variable] : used) {
+    columns.push_back(column);
+    variables.push_back(variable);
+  }
+  const std::vector<NodeId> matrix = ir::jacobian(graph_, nodes, variables);
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    for (std::size_t j = 0; j < columns.size(); ++j)
+      if (const NodeId node = matrix[k * columns.size() + j]; !graph_.isConstant(node, 0))
+        entry(k, columns[j], node);
+}
+
+// Rows of derivatives of `nodes`, from row `first` of a buffer on.
+void ModelFunctions::storeDerivatives(FunctionBuilder &builder, int buffer, int first, const std::vector<NodeId> &nodes, int group) {
+  const int length = static_cast<int>(x_.size());
+  for (std::size_t k = 0; k < nodes.size(); ++k)
+    builder.clear(buffer, (first + static_cast<int>(k)) * length, length, group);
+  derivatives(nodes, [&](std::size_t k, int column, NodeId node) {
+    builder.store(buffer, (first + static_cast<int>(k)) * length + column, node, group);
+  });
+}
+
+// What the rows of a contact add to the derivatives of the residual: those of −Jᵀλ.
+void ModelFunctions::addForceDerivatives(FunctionBuilder &builder, const Contact &contact, int number) {
+  const int length = static_cast<int>(x_.size());
+  std::map<int, std::vector<NodeId>> terms;  // by velocities
+  const auto collect = [&](const std::vector<NodeId> &row, SymbolKind kind, int index) {
+    for (std::size_t k = 0; k < row.size(); ++k)
+      if (!graph_.isConstant(row[k], 0))
+        terms[static_cast<int>(k)].push_back(graph_.mul(row[k], graph_.symbol(kind, index)));
+  };
+  collect(contact.normal, SymbolKind::NormalForce, number);
+  for (int j = contact.tangentFirst; j < contact.tangentFirst + contact.tangentCount; ++j)
+    collect(system_.tangents[static_cast<std::size_t>(j)].jacobian, SymbolKind::TangentForce, j);
+  std::vector<int> velocities;
+  std::vector<NodeId> forces;
+  for (const auto &[velocity, summands] : terms) {
+    velocities.push_back(velocity);
+    forces.push_back(graph_.neg(graph_.sum(summands)));
+  }
+  derivatives(forces,
+              [&](std::size_t k, int column, NodeId node) { builder.add(Residual, velocities[k] * length + column, node, number); });
+}
+
+void ModelFunctions::addContactDerivatives(FunctionBuilder &builder, const ContactRates &rates) {
+  const std::vector<NodeId> bounds = this->bounds();
+  for (int i = 0; i < contacts_; ++i) {
+    const Contact &contact = system_.contacts[static_cast<std::size_t>(i)];
+    storeDerivatives(builder, NormalRows, i, {rates.normal[static_cast<std::size_t>(i)]}, i);
+    storeDerivatives(builder, Frictions, i, {contact.friction}, i);
+    addForceDerivatives(builder, contact, i);
+  }
+  for (int j = 0; j < tangents_; ++j) {
+    const auto row = static_cast<std::size_t>(j);
+    storeDerivatives(builder, TangentRows, j, {rates.tangent[row]}, rowGroup_[row]);
+    storeDerivatives(builder, Bounds, j, {bounds[row]}, rowGroup_[row]);
+  }
+}
+
 // Output 0 holds the terms of all contacts' forces: those of unselected contacts are passed as 0.
 ir::Function ModelFunctions::dynamicsDerivatives() {
   std::vector<NodeId> friction;
@@ -348,59 +466,53 @@ ir::Function ModelFunctions::dynamicsDerivatives() {
     friction.push_back(contact.friction);
   const auto ofContact = [](std::size_t row) { return static_cast<int>(row); };
   const auto ofRow = [&](std::size_t row) { return rowGroup_[row]; };
-  const std::vector<NodeId> normal = accelerations(system_.contacts, &Contact::normal, &Contact::gapRate);
-  const std::vector<NodeId> tangent = accelerations(system_.tangents, &TangentRow::jacobian, &TangentRow::slip);
+  const ContactRates rates = {accelerations(system_.contacts, &Contact::normal, &Contact::gapRate),
+                              accelerations(system_.tangents, &TangentRow::jacobian, &TangentRow::slip)};
   const std::vector<NodeId> constraint = accelerations(system_.constraintRows, &ConstraintRow::jacobian, &ConstraintRow::rate);
-  const std::vector<NodeId> bounds = this->bounds();
+  const bool apart = areContactsApart();
+  struct Part {
+    std::vector<NodeId> nodes;
+    std::function<int(std::size_t)> group;
+    bool isOfContacts = false;
+  };
+  const std::vector<Part> parts = {{apart ? residualOfBodies() : system_.residual, always},
+                                   {system_.stateDerivatives, always},
+                                   {rates.normal, ofContact, true},
+                                   {rates.tangent, ofRow, true},
+                                   {friction, ofContact, true},
+                                   {bounds(), ofRow, true},
+                                   {constraint, always}};
   FunctionBuilder builder("dynamics_derivatives", contacts_ + frictions_);
+  const int columns = static_cast<int>(x_.size());
   std::vector<NodeId> nodes;
   std::vector<ir::MatrixRow> rows;
-  const auto add = [&](const std::vector<NodeId> &some, int buffer, auto group) {
-    nodes.insert(nodes.end(), some.begin(), some.end());
-    builder.addRows(rows, buffer, static_cast<int>(some.size()), static_cast<int>(x_.size()), group);
-  };
-  int buffer = 0;
-  add(system_.residual, buffer++, always);
-  add(system_.stateDerivatives, buffer++, always);
-  add(normal, buffer++, ofContact);
-  add(tangent, buffer++, ofRow);
-  add(friction, buffer++, ofContact);
-  add(bounds, buffer++, ofRow);
-  add(constraint, buffer++, always);
-  if (jacobianSweep(builder, nodes, rows, buffer))
-    return builder.take();
-  jacobianBuffer(builder, system_.residual, always);
-  jacobianBuffer(builder, system_.stateDerivatives, always);
-  jacobianBuffer(builder, normal, ofContact);
-  jacobianBuffer(builder, tangent, ofRow);
-  jacobianBuffer(builder, friction, ofContact);
-  jacobianBuffer(builder, bounds, ofRow);
-  jacobianBuffer(builder, constraint, always);
+  for (const Part &part : parts) {
+    const int buffer = builder.emptyBuffer(static_cast<int>(part.nodes.size()) * columns);
+    if (apart && part.isOfContacts)
+      continue;
+    nodes.insert(nodes.end(), part.nodes.begin(), part.nodes.end());
+    builder.addRows(rows, buffer, static_cast<int>(part.nodes.size()), columns, part.group);
+  }
+  if (!jacobianSweep(builder, nodes, rows))
+    for (int buffer = 0; buffer < static_cast<int>(parts.size()); ++buffer)
+      if (const Part &part = parts[static_cast<std::size_t>(buffer)]; !(apart && part.isOfContacts))
+        storeJacobian(builder, buffer, part.nodes, part.group);
+  if (apart)
+    addContactDerivatives(builder, rates);
   return builder.take();
 }
 
-// d nodes/dx by a loop over directions, in `buffers` buffers; false, and nothing done, if it is better written out.
-bool ModelFunctions::jacobianSweep(FunctionBuilder &builder, const std::vector<NodeId> &nodes, const std::vector<ir::MatrixRow> &rows,
-                                   int buffers) {
+// d nodes/dx by a loop over directions; false, and nothing done, if it is better written out.
+bool ModelFunctions::jacobianSweep(FunctionBuilder &builder, const std::vector<NodeId> &nodes, const std::vector<ir::MatrixRow> &rows) {
   const int columns = static_cast<int>(x_.size());
   if (nodes.size() * x_.size() <= mechanics::fewEntries)
     return false;
-  std::map<std::pair<SymbolKind, int>, int> columnOf;
-  for (int k = 0; k < columns; ++k) {
-    const ir::Symbol symbol = graph_[x_[static_cast<std::size_t>(k)]].symbol;
-    columnOf[{symbol.kind, symbol.index}] = k;
-  }
   const std::vector<NodeId> results = ir::forwardDerivative(graph_, nodes, [&](ir::Symbol symbol) {
-    const auto column = columnOf.find({symbol.kind, symbol.index});
-    return column == columnOf.end() ? graph_.constant(0) : graph_.symbol(SymbolKind::Seed, column->second);
+    const auto column = columnOf_.find({symbol.kind, symbol.index});
+    return column == columnOf_.end() ? graph_.constant(0) : graph_.symbol(SymbolKind::Seed, column->second);
   });
   if (!ir::isSweepSmaller(graph_, results, columns, mechanics::fewEntries))
     return false;
-  std::vector<int> sizes(static_cast<std::size_t>(buffers), 0);
-  for (const ir::MatrixRow &row : rows)
-    sizes[static_cast<std::size_t>(row.buffer)] += columns;
-  for (const int size : sizes)
-    builder.emptyBuffer(size);
   builder.sweep(results, ir::seedStructure(graph_, results, columns), columns, ir::SweepOver::Columns, rows);
   return true;
 }

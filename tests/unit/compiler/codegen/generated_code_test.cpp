@@ -8,6 +8,7 @@
 #include "tests/unit/compiler/ir/run_sweep.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <limits>
@@ -53,6 +54,10 @@ std::vector<std::vector<double>> interpret(const ir::Function &function, const i
     if (store.group < 0 || mask[static_cast<std::size_t>(store.group)] != 0)
       outputs[static_cast<std::size_t>(store.buffer)][static_cast<std::size_t>(store.position)] = values[k];
   }
+  for (const ir::Store &addition : function.additions)
+    if (addition.group < 0 || mask[static_cast<std::size_t>(addition.group)] != 0)
+      outputs[static_cast<std::size_t>(addition.buffer)][static_cast<std::size_t>(addition.position)] +=
+          ir::evaluate(graph, std::array{addition.node}, valueOf)[0];
   return outputs;
 }
 
@@ -170,6 +175,40 @@ TEST(Repetitions, EqualTheInterpreterBitForBit) {
       again.run(shared.model()->dynamics, mask);
       expectSame(expected, again.outputs, "shared");
     }
+  }
+}
+
+// Each place of a matrix gets what a sweep stores there, then what the selected groups add, here whole numbers, in any order.
+TEST(Additions, FollowTheSweep) {
+  for (const int count : {2, 30}) {  // without and with repetitions
+    Compiled compiled;
+    compiled.system.name = "additions";
+    compiled.system.nz = 8;
+    ir::Graph &g = compiled.system.graph;
+    ir::Function function{"dynamics", {16}, count, {}};
+    std::vector<NodeId> results;
+    for (int k = 0; k < 4; ++k)
+      results.push_back(g.mul(g.symbol(SymbolKind::Seed, k), g.unary(Op::Floor, g.symbol(SymbolKind::State, k))));
+    std::vector<ir::MatrixRow> rows;
+    for (int k = 0; k < 4; ++k)
+      rows.push_back({0, 4 * k, -1});
+    ir::addSweep(function, results, ir::seedStructure(g, results, 4), 4, ir::SweepOver::Columns, rows);
+    for (int k = 0; k < count; ++k)
+      for (int j = 0; j < 3; ++j) {
+        const NodeId product = g.mul(g.unary(Op::Floor, g.symbol(SymbolKind::State, (k + j) % 8)), g.constant(k + 2));
+        function.additions.push_back({0, (k * 7 + j * 5) % 16, product, k});
+      }
+    compiled.functions = asDynamics(std::move(function));
+    const auto inMemory = compileInMemory(compiled.source(), {2, ""});
+    Call call(compiled.function());
+    for (std::size_t k = 0; k < 8; ++k)
+      call.inputs[TF_IN_Z][k] = 3.5 * static_cast<double>(k) - 9;
+    std::vector<std::uint8_t> mask(static_cast<std::size_t>(count), 1);
+    mask[1] = 0;
+    const auto expected = interpret(compiled.function(), g, call, mask);
+    call.run(inMemory->model()->dynamics, mask);
+    for (std::size_t k = 0; k < 16; ++k)
+      EXPECT_EQ(call.outputs[0][k], expected[0][k]) << k;
   }
 }
 

@@ -27,7 +27,8 @@ protected:
 
   [[nodiscard]] std::vector<std::int64_t> codeOf(const Unit &unit) const { return shapeOf(unit, g, context).code; }
 
-  ShapeContext context = {[](NodeId) { return false; }, [](NodeId) { return false; }, [this](NodeId id) {
+  ShapeContext context = {[](NodeId) { return false; }, [](NodeId) { return false; },
+                          [this](NodeId id) {
                             const ir::Subgraph reached(g, std::array{id});
                             return likenesses(g, reached).back();
                           }};
