@@ -3,6 +3,14 @@
 namespace tf::codegen {
 
 void countedLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *end, const std::function<void(llvm::Value *)> &body) {
+  steppingLoop(builder, begin, end, [&](llvm::Value *index) -> llvm::Value * {
+    body(index);
+    return builder.getInt32(1);
+  });
+}
+
+void steppingLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *end,
+                  const std::function<llvm::Value *(llvm::Value *)> &body) {
   llvm::Function *function = builder.GetInsertBlock()->getParent();
   llvm::LLVMContext &context = builder.getContext();
   llvm::BasicBlock *before = builder.GetInsertBlock();
@@ -15,8 +23,8 @@ void countedLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *en
   index->addIncoming(begin, before);
   builder.CreateCondBr(builder.CreateICmpSLT(index, end), inside, after);
   builder.SetInsertPoint(inside);
-  body(index);
-  index->addIncoming(builder.CreateNSWAdd(index, builder.getInt32(1)), builder.GetInsertBlock());
+  llvm::Value *step = body(index);
+  index->addIncoming(builder.CreateNSWAdd(index, step), builder.GetInsertBlock());
   builder.CreateBr(head);
   builder.SetInsertPoint(after);
 }

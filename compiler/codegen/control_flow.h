@@ -13,6 +13,10 @@ namespace tf::codegen {
 // for (k = begin; k < end; ++k) body(k), of i32.
 void countedLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *end, const std::function<void(llvm::Value *)> &body);
 
+// The same, where body(k) returns the step to the next k.
+void steppingLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *end,
+                  const std::function<llvm::Value *(llvm::Value *)> &body);
+
 // if (condition) body()
 void whereTrue(llvm::IRBuilder<> &builder, llvm::Value *condition, const std::function<void()> &body);
 

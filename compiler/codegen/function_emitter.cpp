@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <map>
 #include <string>
 #include <unordered_map>
@@ -343,35 +344,83 @@ private:
 
   void emitLoop(const Repetition &repetition) {
     const auto index = static_cast<std::size_t>(repetition.first);
+    const Unit &unit = plan_.units[index];
     const LoopTables &tables = repetition.tables;
     llvm::Function *piece = emitRepeated(function_, graph_, plan_, index, tables, module_);
     const std::string name = function_.name + "." + std::to_string(index);
     llvm::Constant *wholes = constantTable(module_, name + ".wholes", llvm::ArrayRef<std::int32_t>(tables.wholeRows));
     llvm::Constant *reals = constantTable(module_, name + ".reals", llvm::ArrayRef<double>(tables.realRows));
-    llvm::SmallVector<llvm::Value *, 6> arguments{target_->getArg(0), target_->getArg(1), slots_, nullptr, nullptr};
-    if (plan_.units[index].isSwept)
-      arguments.push_back(frame_);
-    countedLoop(builder_, builder_.getInt32(0), builder_.getInt32(static_cast<std::uint32_t>(repetition.count)), [&](llvm::Value *row) {
-      const auto rowOf = [&](llvm::Type *type, llvm::Value *table, int columns) {
-        return builder_.CreateInBoundsGEP(type, table, builder_.CreateNSWMul(row, builder_.getInt32(static_cast<std::uint32_t>(columns))));
+    const auto rowOf = [&](llvm::Type *type, llvm::Value *table, int columns, llvm::Value *row) {
+      return builder_.CreateInBoundsGEP(type, table, builder_.CreateNSWMul(row, builder_.getInt32(static_cast<std::uint32_t>(columns))));
+    };
+    const auto runRow = [&](llvm::Value *row) {
+      llvm::SmallVector<llvm::Value *, 6> arguments{target_->getArg(0), target_->getArg(1), slots_,
+                                                    rowOf(builder_.getInt32Ty(), wholes, tables.wholeColumns, row),
+                                                    rowOf(builder_.getDoubleTy(), reals, tables.realColumns, row)};
+      if (unit.isSwept)
+        arguments.push_back(frame_);
+      builder_.CreateCall(piece, arguments);
+    };
+    llvm::Value *first = builder_.getInt32(0), *count = builder_.getInt32(static_cast<std::uint32_t>(repetition.count));
+    if (unit.group < 0)
+      return countedLoop(builder_, first, count, runRow);
+    const auto entry = [&](const WholeSource &source, llvm::Value *row) -> llvm::Value * {
+      llvm::Value *offset = builder_.getInt32(static_cast<std::uint32_t>(source.offset));
+      if (source.column < 0)
+        return offset;
+      llvm::Type *type = builder_.getInt32Ty();
+      llvm::Value *place =
+          builder_.CreateConstInBoundsGEP1_32(type, rowOf(type, wholes, tables.wholeColumns, row), static_cast<unsigned>(source.column));
+      return builder_.CreateNSWAdd(builder_.CreateLoad(type, place), offset);
+    };
+    steppingLoop(builder_, first, count, [&](llvm::Value *row) {
+      llvm::SmallVector<llvm::Value *, 2> groups{entry(tables.group, row)};
+      if (unit.second >= 0)
+        groups.push_back(entry(tables.second, row));
+      const auto guardedRow = [&] {
+        whereTrue(builder_, isSelected(builder_, target_->getArg(2), groups[0], groups.size() > 1 ? groups[1] : nullptr),
+                  [&] { runRow(row); });
       };
-      arguments[3] = rowOf(builder_.getInt32Ty(), wholes, tables.wholeColumns);
-      arguments[4] = rowOf(builder_.getDoubleTy(), reals, tables.realColumns);
-      const auto body = [&] { builder_.CreateCall(piece, arguments); };
-      if (plan_.units[index].group < 0)
-        return body();
-      const auto groupOf = [&](WholeSource source) {
-        llvm::Value *offset = builder_.getInt32(static_cast<std::uint32_t>(source.offset));
-        if (source.column < 0)
-          return offset;
-        llvm::Value *entry =
-            builder_.CreateLoad(builder_.getInt32Ty(), builder_.CreateConstInBoundsGEP1_32(builder_.getInt32Ty(), arguments[3],
-                                                                                           static_cast<unsigned>(source.column)));
-        return builder_.CreateNSWAdd(entry, offset);
-      };
-      llvm::Value *second = plan_.units[index].second < 0 ? nullptr : groupOf(tables.second);
-      whereTrue(builder_, isSelected(builder_, target_->getArg(2), groupOf(tables.group), second), body);
+      return skipping(groups, [&](std::size_t width) { return entry(tables.skips[width], row); }, guardedRow);
     });
+  }
+
+  // Of few groups that are selected among many, flags are read several at a time. Returns by how many rows to go on, after body() or where
+  // all of flagWidths[w] flags from each of the groups on are zero: then skip(w).
+  llvm::Value *skipping(llvm::ArrayRef<llvm::Value *> groups, const std::function<llvm::Value *(std::size_t)> &skip,
+                        const std::function<void()> &body) {
+    const auto block = [&](const char *name) { return llvm::BasicBlock::Create(builder_.getContext(), name, target_); };
+    llvm::BasicBlock *joined = block("joined");
+    llvm::SmallVector<std::pair<llvm::Value *, llvm::BasicBlock *>, 3> steps;
+    for (std::size_t w = 0; w < flagWidths.size(); ++w) {
+      const int width = flagWidths[w];
+      if (width > function_.groups)
+        continue;
+      llvm::BasicBlock *look = block("look"), *zero = block("zero"), *closer = block("closer");
+      // The second group is the larger one.
+      llvm::Value *last = builder_.getInt32(static_cast<std::uint32_t>(function_.groups - width));
+      builder_.CreateCondBr(builder_.CreateICmpSLE(groups.back(), last), look, closer);
+      builder_.SetInsertPoint(look);
+      llvm::Value *flags = nullptr;
+      for (llvm::Value *group : groups) {
+        llvm::Value *place = builder_.CreateInBoundsGEP(builder_.getInt8Ty(), target_->getArg(2), group);
+        llvm::Value *some = builder_.CreateAlignedLoad(builder_.getIntNTy(8 * static_cast<unsigned>(width)), place, llvm::Align(1));
+        flags = flags == nullptr ? some : builder_.CreateOr(flags, some);
+      }
+      builder_.CreateCondBr(builder_.CreateIsNull(flags), zero, closer);
+      builder_.SetInsertPoint(zero);
+      steps.emplace_back(skip(w), zero);
+      builder_.CreateBr(joined);
+      builder_.SetInsertPoint(closer);
+    }
+    body();
+    steps.emplace_back(builder_.getInt32(1), builder_.GetInsertBlock());
+    builder_.CreateBr(joined);
+    builder_.SetInsertPoint(joined);
+    llvm::PHINode *step = builder_.CreatePHI(builder_.getInt32Ty(), static_cast<unsigned>(steps.size()));
+    for (const auto &[value, from] : steps)
+      step->addIncoming(value, from);
+    return step;
   }
 
   void emitUnit(std::size_t index) {

@@ -80,6 +80,15 @@ std::int64_t wholeAt(const Place &place, const Unit &unit, const ir::Graph &grap
   return 0;
 }
 
+// Units from `row` on whose groups are among `width` from those of the first one on.
+std::int64_t rowsWithin(std::span<const Unit> units, std::size_t row, int width) {
+  const auto isWithin = [width](int group, int first) { return group >= first && group < first + width; };
+  std::size_t end = row + 1;
+  while (end < units.size() && isWithin(units[end].group, units[row].group) && isWithin(units[end].second, units[row].second))
+    ++end;
+  return static_cast<std::int64_t>(end - row);
+}
+
 }  // namespace
 
 LoopTables tabulate(std::span<const Unit> units, const ir::Graph &graph, const ShapeContext &context,
@@ -102,6 +111,8 @@ LoopTables tabulate(std::span<const Unit> units, const ir::Graph &graph, const S
   };
   tables.group = whole([&](std::size_t row) { return units[row].group; });
   tables.second = whole([&](std::size_t row) { return units[row].second; });
+  for (std::size_t w = 0; w < flagWidths.size() && units.front().group >= 0; ++w)
+    tables.skips[w] = whole([&](std::size_t row) { return rowsWithin(units, row, flagWidths[w]); });
   for (std::size_t k = 0; k < tables.places.size(); ++k) {
     const bool isConstant = tables.places[k].kind == Place::Kind::Constant;
     tables.wholes.push_back(isConstant ? WholeSource{}

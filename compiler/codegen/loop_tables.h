@@ -3,6 +3,7 @@
 
 #include "compiler/codegen/unit_shape.h"
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -20,6 +21,9 @@ struct RealSource {
   double value = 0;
 };
 
+// So many flags of groups are read at a time.
+inline constexpr std::array flagWidths = {64, 8};
+
 struct LoopTables {
   std::vector<Place> places;        // of the first unit
   std::vector<WholeSource> wholes;  // of each place (of no use for constants)
@@ -28,6 +32,9 @@ struct LoopTables {
   std::vector<std::int32_t> wholeRows;
   std::vector<double> realRows;
   int wholeColumns = 0, realColumns = 0;
+  // Of guarded units, for each of flagWidths: by how many rows to go on if so many flags from that of the group on, and from that of the
+  // second group on, are zero.
+  std::array<WholeSource, flagWidths.size()> skips;
 };
 
 // `units` are of one shape; `slotOf` gives the slots' numbers.

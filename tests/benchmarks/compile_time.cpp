@@ -88,6 +88,36 @@ end Generated;
                      size, pairs, first, second);
 }
 
+// Discs any two of which may touch, with floor and walls: all contacts of a kind are alike.
+std::string discs(int size) {
+  std::string first, second;
+  int pairs = 0;
+  for (int i = 1; i <= size; ++i) {
+    for (int j = i + 1; j <= size; ++j, ++pairs) {
+      first += fmt::format("{}{}", pairs == 0 ? "" : ", ", i);
+      second += fmt::format("{}{}", pairs == 0 ? "" : ", ", j);
+    }
+  }
+  return fmt::format(R"(model Generated
+  parameter Real R = 0.1, mu = 0.3, e = 0.2, W = 0.8;
+  parameter Integer a[{1}] = {{{2}}}, b[{1}] = {{{3}}};
+  coordinate Real r[{0}, 2](start = {{{{0.25*i, 0.3}} for i in 1:{0}}});
+  coordinate Real phi[{0}];
+  body disc[{0}](each mass = 0.1, position = r, angle = phi, each inertia = 0.05*R^2);
+  gravity weight(acceleration = {{0, -9.81}});
+  contact floor[{0}](gap = {{r[i, 2] - R for i in 1:{0}}}, slip = {{der(r[i, 1]) + R*der(phi[i]) for i in 1:{0}}}, each friction = mu,
+                     each restitution = e);
+  contact wall[{0}](gap = {{r[i, 1] + W - R for i in 1:{0}}}, slip = {{der(r[i, 2]) - R*der(phi[i]) for i in 1:{0}}}, each friction = mu);
+  Real d[{1}, 2] = {{r[b[k], :] - r[a[k], :] for k in 1:{1}}};
+  Real l[{1}] = {{sqrt(d[k, :]*d[k, :]) for k in 1:{1}}};
+  contact pair[{1}](gap = {{l[k] - 2*R for k in 1:{1}}},
+                    slip = {{(d[k, 1]*(der(r[b[k], 2]) - der(r[a[k], 2])) - d[k, 2]*(der(r[b[k], 1]) - der(r[a[k], 1])))/l[k] -
+                             R*(der(phi[a[k]]) + der(phi[b[k]])) for k in 1:{1}}}, each friction = mu, each restitution = e);
+end Generated;
+)",
+                     size, pairs, first, second);
+}
+
 // Nodes that the system's own expressions reach, before any derivatives for integrators.
 int countNodes(const HybridSystem &system) {
   std::vector<ir::NodeId> open;
@@ -190,6 +220,7 @@ std::vector<Measurement> compileTime(const Setup &setup) {
   measureFamily(setup, generator, "oscillators", oscillators, {25, 50, 100}, out);
   measureFamily(setup, generator, "links of a chain", chain, {8, 16, 32, 64, 128}, out);
   measureFamily(setup, generator, "rough spheres", roughSpheres, {4, 8, 16}, out);
+  measureFamily(setup, generator, "discs", discs, {10, 20, 40}, out);
   return out;
 }
 

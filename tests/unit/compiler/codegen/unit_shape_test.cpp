@@ -80,16 +80,18 @@ TEST_F(UnitShapeTest, TablesHaveAColumnForWhatDiffers) {
     units.back().group = k * k;
   }
   const LoopTables tables = tabulate(units, g, context, [](NodeId) { return -1; });
-  EXPECT_EQ(tables.wholeColumns, 2) << "of the groups, and of states and positions";
+  EXPECT_EQ(tables.wholeColumns, 4) << "of the groups, of how many are within 64 and within 8, and of states and positions";
   EXPECT_EQ(tables.realColumns, 1);
   EXPECT_EQ(tables.realRows, (std::vector{0.5, 1.5, 2.5, 3.5}));
   EXPECT_EQ(tables.second.column, -1);
   EXPECT_EQ(tables.second.offset, -1);
   for (int row = 0; row < 4; ++row) {
     const auto value = [&](const WholeSource &source) {
-      return source.offset + (source.column < 0 ? 0 : tables.wholeRows[static_cast<std::size_t>(2 * row + source.column)]);
+      return source.offset + (source.column < 0 ? 0 : tables.wholeRows[static_cast<std::size_t>(4 * row + source.column)]);
     };
     EXPECT_EQ(value(tables.group), row * row);
+    EXPECT_EQ(value(tables.skips[0]), 4 - row);
+    EXPECT_EQ(value(tables.skips[1]), std::array{3, 2, 2, 1}[static_cast<std::size_t>(row)]);
     EXPECT_EQ(value(tables.wholes.back()), 2 * row + 3);
   }
 }
