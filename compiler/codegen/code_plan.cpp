@@ -28,7 +28,7 @@ constexpr std::size_t shortestClear = 8;
 
 // So many regions of one shape are a repetition, if they save so many steps of code.
 constexpr std::size_t fewestAlike = 4, leastSaving = 50;
-constexpr std::size_t longestRepeated = 2000;  // steps
+constexpr std::size_t longestRepeated = 20000;  // steps: of one function, which LLVM takes longer for than for several
 
 class Planner {
 public:
