@@ -157,14 +157,24 @@ private:
     }
     if (child.name == "start")
       result.start = value;
-    else if (child.name == "fixed")
-      result.fixed = value;
-    else if (child.name == "min")
-      result.min = value;
-    else if (child.name == "max")
-      result.max = value;
-    else if (child.name == "nominal")
-      result.nominal = value;
+    else
+      setCompiledIn(child.name, value, result);
+  }
+
+  // Attributes whose values are part of the compiled model: what they depend on becomes structural.
+  void setCompiledIn(std::string_view name, const ExprPtr &value, flat::Attributes &result) {
+    ExprPtr *target = name == "fixed"     ? &result.fixed
+                      : name == "min"     ? &result.min
+                      : name == "max"     ? &result.max
+                      : name == "nominal" ? &result.nominal
+                                          : nullptr;
+    if (value == nullptr || target == nullptr)
+      return;
+    if (!constantValue(context_, *value)) {
+      context_.diagnostics.report(diag::NotConstant, value->span, fmt::format("'{}'", name));
+      return;
+    }
+    *target = value;
   }
 
   // `fixed` of a rotation is one for its quaternion as a whole.

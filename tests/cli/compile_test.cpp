@@ -72,6 +72,22 @@ TEST_F(CompileCommand, FixesStructuralParameters) {
             "error: 'n' is a structural parameter, compiled into 'three.so'; set it where the source is run or compiled  [TF0846]\n");
 }
 
+// With another nominal than that of its size the ball would be taken for one that lies on the floor.
+TEST_F(CompileCommand, ParametersOfNominalsAreCompiledIn) {
+  const std::string source = (folder.path() / "small.tf").string();
+  writeFile(source,
+            "model Small\n  parameter Real size = 1;\n  coordinate Real y(start = size, nominal = size, der(nominal = size));\n"
+            "  body ball(mass = 1, position = y);\n  force weight(value = -size, at = y);\n  contact floor(gap = y);\nend Small;\n");
+  const ProcessResult result = runTfc({"run", source, "--set", "size=1e-11", "--quiet"}, folder.path());
+  ASSERT_EQ(result.exitCode, 0) << result.err;
+  EXPECT_NEAR(finalValue(result, "y") * 1e11, 0.5, 1e-9);
+  ASSERT_EQ(runTfc({"compile", source, "-o", "small.so"}, folder.path()).exitCode, 0);
+  const ProcessResult compiled = runTfc({"run", "small.so", "--set", "size=1e-11"}, folder.path());
+  EXPECT_EQ(compiled.exitCode, 2);
+  EXPECT_EQ(compiled.err,
+            "error: 'size' is a structural parameter, compiled into 'small.so'; set it where the source is run or compiled  [TF0846]\n");
+}
+
 TEST_F(CompileCommand, RefusesToOverwriteItsSource) {
   std::filesystem::copy_file(kParticle, folder.path() / "p.tf");
   const ProcessResult result = runTfc({"compile", "p.tf", "-o", "p.tf"}, folder.path());

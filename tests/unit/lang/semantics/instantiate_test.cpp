@@ -92,6 +92,24 @@ end M;
   EXPECT_THAT(flatten(text, "", {{"n", 3}}), HasSubstr("der(x[3]) = -3*a[3]*x[3];"));
 }
 
+// Their values are compiled in, so that no other value of the parameter may come with the run; starts follow their parameters.
+TEST(Instantiate, parametersOfBoundsAndNominalsAreStructural) {
+  const std::string flat = flatten(R"(
+model M
+  parameter Real size = 2, low = -size, fast = 5, top = 9, x0 = 1;
+  parameter Boolean held = true;
+  parameter Real k(max = top) = 3;
+  coordinate Real x(start = x0, min = low, nominal = 10*size, der(nominal = fast, fixed = held));
+  body b(mass = k, position = x);
+end M;
+)");
+  for (const char *name : {"Real size = 2", "Real low = -2", "Real fast = 5", "Real top = 9", "Boolean held = true"})
+    EXPECT_THAT(flat, HasSubstr(std::string("structural parameter ") + name + ";"));
+  EXPECT_THAT(flat, testing::Not(HasSubstr("structural parameter Real x0")));
+  EXPECT_THAT(flat, HasSubstr("start = x0"));
+  EXPECT_THAT(flat, HasSubstr("nominal = 10*2"));
+}
+
 TEST(Instantiate, redeclarationsAndInnerOuter) {
   const std::string flat = flatten(R"(
 model M
