@@ -8,9 +8,12 @@ namespace tf::runtime {
 
 bool EventProgress::add(double time) {
   const int most = 1000 + 100 * elements;
-  constexpr double shortTime = 1e-7;  // relative to the time, and of a second
-  if (time > since + shortTime * std::max(1.0, std::abs(time)))
-    start(time, elements);
+  constexpr double shortTime = 1e-7;    // of the run up to here, and of a second
+  constexpr double resolution = 2e-12;  // of the time, which may have begun long before the run
+  if (time > since + std::max(shortTime * std::max(1.0, time - begin), resolution * std::abs(time))) {
+    since = time;
+    count = 0;
+  }
   return ++count <= most;
 }
 

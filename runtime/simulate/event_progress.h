@@ -10,12 +10,12 @@ namespace tf::runtime {
 class EventProgress {
 public:
   // `number` of contacts, friction elements and switches: each may have events of its own.
-  void start(double time, int number) { *this = {time, 0, number}; }
+  void start(double time, int number) { *this = {time, time, 0, number}; }
   // Another event at `time`. False: so many have come within so short a time that the run would never end.
   bool add(double time);
 
-  // Plain data, of which continuation depends: when the count began, the events since then, and the number of elements.
-  double since = 0;
+  // Plain data, of which continuation depends: when the run and when the count began, the events since then, and the number of elements.
+  double begin = 0, since = 0;
   int count = 0;
   int elements = 0;
 };

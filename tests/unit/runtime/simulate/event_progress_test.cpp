@@ -33,6 +33,12 @@ TEST(EventProgress, FastSwitchingGoesOn) {
   EXPECT_EQ(eventsUntilGivenUp(3600, 1e-6, 100000), 100000);
 }
 
+// A run that begins at a large time is as long as another one.
+TEST(EventProgress, FastSwitchingGoesOnFarFromZero) {
+  EXPECT_EQ(eventsUntilGivenUp(1e6, 1e-6, 100000), 100000);
+  EXPECT_EQ(eventsUntilGivenUp(1.7e9, 1e-5, 100000), 100000);
+}
+
 TEST(EventProgress, ABurstOfEventsAtOneTimeGoesOn) {
   EventProgress progress;
   progress.start(0, 3);
