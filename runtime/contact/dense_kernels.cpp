@@ -410,7 +410,8 @@ TF_WIDE int factoriseSemidefinite(double *matrix, int size, double dependence, i
     for (int i = k + 1; i < size; ++i)
       entry(i, k) *= inverse;
     for (int j = k + 1; j < size; ++j)
-      addOf(-entry(j, k), &entry(j, k), &entry(j, j), size - j);
+      if (entry(j, k) != 0)
+        addOf(-entry(j, k), &entry(j, k), &entry(j, j), size - j);
   }
   return size;
 }
@@ -441,10 +442,15 @@ TF_WIDE bool factoriseLu(double *matrix, int size, double singular, int *pivot) 
       for (int j = k + 1; j < end; ++j)
         addOf(-columnAt(j)[k], column + k + 1, columnAt(j) + k + 1, size - k - 1);
     }
+    // Rows of bodies apart have no entries in common: nothing comes to these columns.
+    const auto isApart = [&](int j) __attribute__((always_inline)) {
+      return std::all_of(columnAt(j) + begin, columnAt(j) + end, [](double entry) { return entry == 0; });
+    };
     int j = end;
     for (; j + 2 <= size; j += 2)
-      eliminateFour<2>(columnAt(begin), begin, size, columnAt(j));
-    if (j < size)
+      if (!isApart(j) || !isApart(j + 1))
+        eliminateFour<2>(columnAt(begin), begin, size, columnAt(j));
+    if (j < size && !isApart(j))
       eliminateFour<1>(columnAt(begin), begin, size, columnAt(j));
   }
   return true;
