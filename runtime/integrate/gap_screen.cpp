@@ -13,9 +13,9 @@ namespace {
 
 // A new box costs about as much as reading all gaps so often.
 constexpr int costOfBox = 4;
-// Coordinates that do not move have boxes of this size, relative to their size, at least 1.
+// Coordinates that do not move have boxes of this size, relative to their size, at least their nominal one.
 constexpr double smallest = 1e-6;
-// A gap that is this small, relative to its nominal, may touch.
+// A gap that is this small, relative to its scale, may touch.
 constexpr double touching = 1e-6;
 constexpr double rounding = 1e-9;
 // So few tell nothing about how long the motion stays in a box.
@@ -23,7 +23,7 @@ constexpr int fewReads = 4;
 
 }  // namespace
 
-GapScreen::GapScreen(const tf_model &model) : model_(&model), awake_(model.nc, 1) {
+GapScreen::GapScreen(const tf_model &model, const ContactScales &scales) : model_(&model), scales_(&scales), awake_(model.nc, 1) {
   if (!isUsed())
     return;
   const std::size_t boxes = static_cast<std::size_t>(model.nq) + 1;
@@ -85,7 +85,9 @@ bool GapScreen::isSelective() const {
   return few * count <= model_->nc;
 }
 
-double GapScreen::margin(int contact, double gap) const { return touching * model_->contacts[contact].nominal + rounding * std::abs(gap); }
+double GapScreen::margin(int contact, double gap) const {
+  return touching * scales_->gap(contact, center_.data()) + rounding * std::abs(gap);
+}
 
 // Bounds are about proportional to the size of the box. What is not a number is near.
 int GapScreen::countNear(const double *gap, double share) const {
@@ -111,7 +113,7 @@ void GapScreen::balance() {
 void GapScreen::evaluate(const double *const *in, double *gap, const double *least) {
   const int nq = model_->nq;
   for (int k = 0; k < nq; ++k)
-    radius_[k] = std::max(span_ * speed_[k], smallest * std::max(1.0, std::abs(center_[k])));
+    radius_[k] = std::max(span_ * speed_[k], smallest * std::max(scales_->nominal()[k], std::abs(center_[k])));
   radius_[nq] = span_;
   for (int k = 0; least != nullptr && k <= nq; ++k)
     radius_[k] = std::max(radius_[k], least[k]);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include "runtime/abi/tf_model.h"
+#include "runtime/integrate/contact_scales.h"
 
 #include <array>
 #include <cstdint>
@@ -14,7 +15,8 @@ namespace tf::runtime {
 
 class GapScreen {
 public:
-  explicit GapScreen(const tf_model &model);
+  // The scales must outlive the screen.
+  GapScreen(const tf_model &model, const ContactScales &scales);
 
   // Without it all contacts are awake.
   [[nodiscard]] bool isUsed() const { return model_->gap_bounds != nullptr; }
@@ -49,6 +51,7 @@ private:
   void merge();
 
   const tf_model *model_;
+  const ContactScales *scales_;
   bool dependsOnTime_ = false;
   bool isValid_ = false, hasSpan_ = false;
   double span_ = 1;                      // the box reaches as far as the motion goes in this time

@@ -21,7 +21,7 @@ void ModeDynamics::differenceJacobian(double time, const double *state, double *
   std::copy_n(state, n, shifted_.begin());
   std::vector<double> point(state, state + n);
   for (int k = 0; k < n - 1; ++k) {
-    const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(1.0, std::abs(state[k]));
+    const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(at_.scales.nominal()[k], std::abs(state[k]));
     point[k] = state[k] + step;
     std::vector<double> plus(n), minus(n);
     const bool up = evaluate(time, point.data(), plus.data());
@@ -167,7 +167,7 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   for (int p = 0; p < slips_.count(); ++p) {
     const int across = rows_.normalCount() + slips_.row(p) + 1;
     const double speed = slips_.speed(p);
-    if (speed <= 10 * slips_.rounding())
+    if (speed <= 10 * slips_.rounding(p))
       continue;
     const double acceleration =
         rows_.product(across, at_.acceleration.data()) + rows_.tangentValue(at_.tangentBias.data(), 1, slips_.row(p) + 1);

@@ -199,7 +199,7 @@ bool ModeDynamics::restsByItsRows(const double *state) {
   constexpr double rounding = 1e-14;
   const tf_model &model = at_.model();
   for (int i = model.nq; i < model.nq + model.nv; ++i)
-    if (std::abs(state[i]) > rounding)
+    if (std::abs(state[i]) > rounding * at_.scales.nominal()[i])
       return false;
   return model.nh == 0 && model.nv > 0 && rows_.count() >= model.nv && !rowsVary() && holdsAll();
 }

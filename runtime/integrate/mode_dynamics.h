@@ -180,8 +180,8 @@ public:
   // What the last evaluation has corrected its state by, relative to its scale.
   [[nodiscard]] double correction() const { return correction_; }
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
-  // `slow`: slips of one body stop together.
-  double projectStop(double *state, const double *scale, int stopped, double slow);
+  // `part` of their scale: slips of one body stop together.
+  double projectStop(double *state, const double *scale, int stopped, double part);
   [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
   // Adds to the velocities of (time, state) what the mode's impulses do that take gap rates and slips of its active rows to zero, with the
   // friction of rows that slip: a motion that came to rest a little off another one, for derivatives of it.
@@ -190,8 +190,10 @@ public:
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }
   void renewDirections(double time, const double *state) { slips_.renew(time, state); }
-  void holdDirections(double slow) { slips_.hold(slow); }
+  void holdDirections(double part) { slips_.hold(part); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
+  // Magnitude of the velocities that this is compared with.
+  [[nodiscard]] double slipScale(int guard) const { return slips_.scale(guards_[guard].index); }
   [[nodiscard]] int slipRow(int guard) const { return slips_.modelRow(guards_[guard].index); }
   // Slips of two components, whose friction turns, the faster the slower they are.
   [[nodiscard]] bool hasTurningSlips() const { return !slips_.empty(); }
@@ -265,6 +267,8 @@ private:
   void evaluateGuards();
   void buildGuards();
   void buildGapGuards();
+  void scaleForces();
+  [[nodiscard]] int ownerOf(int row) const;
   [[nodiscard]] bool varies(const Guard &guard) const;
   void recordForces();
   void recordMargins();
@@ -303,7 +307,9 @@ private:
   bool guardsVary_ = false;
   std::vector<double> leastMargins_, leastMarginTimes_, largestMargins_;  // of forces_
   std::vector<double> closedForce_, closedRate_;
-  double beginForce_ = 0;  // the largest one at the begin of the mode
+  double beginForce_ = 0;           // the largest one at the begin of the mode
+  std::vector<double> forceScale_;  // of rows: of those that act on one another
+  std::vector<int> group_;
   double tauRate_ = 1;
   long long preparedRevision_ = -1;  // the parameters with which the mode was begun, −1: none
   EvaluationFailure failure_ = EvaluationFailure::None;

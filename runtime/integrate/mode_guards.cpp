@@ -26,25 +26,61 @@ void ModeDynamics::recordMargins() {
   }
 }
 
+// Forces of a row are compared with those of all rows that act on one another: bodies that do not touch have their own. Where nothing is
+// loaded, with a small part of what stops a velocity of its scale within a second.
+void ModeDynamics::scaleForces() {
+  constexpr double unloaded = 1e-6;
+  const int count = rows_.count(), normals = rows_.normalCount();
+  const double least = settled_ != nullptr ? settled_->scale : 0;
+  forceScale_.assign(count, -1.0);
+  beginForce_ = 0;
+  for (int first = 0; first < count; ++first) {
+    if (forceScale_[first] >= 0)
+      continue;
+    group_.assign(1, first);
+    double scale = least;
+    for (std::size_t k = 0; k < group_.size(); ++k) {
+      const int row = group_[k], j = row - normals;
+      const double speed =
+          j < 0 ? at_.scales.gapRate(rows_.contacts()[row], at_.velocities()) : at_.scales.slip(rows_.tangents()[j], at_.velocities());
+      const double response = problem_.delassus(row, row);
+      scale = std::max({scale, std::abs(rowForces()[row]), response > 0 ? unloaded * speed / response : 0});
+      forceScale_[row] = 0;
+      for (int other = 0; other < count; ++other)
+        if (forceScale_[other] < 0 && (problem_.delassus(other, row) != 0 || ownerOf(row) == ownerOf(other))) {
+          forceScale_[other] = 0;
+          group_.push_back(other);
+        }
+    }
+    for (const int row : group_)
+      forceScale_[row] = scale;
+    beginForce_ = std::max(beginForce_, scale);
+  }
+}
+
+// The normal row of a row's contact; of a friction element's row that row.
+int ModeDynamics::ownerOf(int row) const {
+  const int j = row - rows_.normalCount();
+  return j >= 0 && problem_.owner[j] >= 0 ? problem_.owner[j] : row;
+}
+
 void ModeDynamics::buildGuards() {
   const tf_model &model = at_.model();
   leastMargins_.assign(rows_.count() > 0 ? forces_.margins().size() : 0, -std::numeric_limits<double>::infinity());
   leastMarginTimes_.assign(leastMargins_.size(), 0);
   largestMargins_.assign(leastMargins_.size(), std::numeric_limits<double>::infinity());
   buildGapGuards();
-  double largest = 0;
-  if (rows_.count() > 0) {
-    for (double force : rowForces())
-      largest = std::max(largest, std::abs(force));
-    beginForce_ = std::max({largest, 1e-6, settled_ != nullptr ? settled_->scale : 0.0});
-    for (std::size_t k = 0; k < leastMargins_.size(); ++k)
-      guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, beginForce_});
+  if (rows_.count() > 0)
+    scaleForces();
+  for (std::size_t k = 0; k < leastMargins_.size(); ++k) {
+    const int row = forces_.margins()[k].limit.row;
+    guards_.push_back({GuardKind::Force, static_cast<int>(k), 1, row >= 0 ? forceScale_[row] : beginForce_});
   }
   for (const int j : rows_.tangents())
     if (!isPaired_[j] && roles_[j] != TangentRole::Steady && mode_.tangent[j] != Tangent::Stick)
-      guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, 1});
+      guards_.push_back({GuardKind::Slip, j, mode_.tangent[j] == Tangent::SlipPositive ? 1.0 : -1.0, at_.scales.slip(j, at_.velocities())});
   for (int k = 0; k < slips_.count(); ++k)
-    guards_.push_back({GuardKind::SlipAlong, k, 1, slips_.rounding() / 1e-12});
+    guards_.push_back({GuardKind::SlipAlong, k, 1, slips_.rounding(k) / 1e-12});
   for (int j = 0; j < model.ns; ++j) {
     if (mode_.switches[j] == Switch::Sliding) {
       guards_.push_back({GuardKind::StepLow, j, 1, 1});
@@ -67,7 +103,7 @@ void ModeDynamics::buildGapGuards() {
     guards_.clear();
     for (int i = 0; i < at_.model().nc; ++i)
       if (!mode_.closed[i])
-        guards_.push_back({GuardKind::Gap, i, 1, at_.model().contacts[i].nominal});
+        guards_.push_back({GuardKind::Gap, i, 1, at_.scales.gap(i, at_.coordinates())});
     gapGuardCount_ = static_cast<int>(guards_.size());
   }
   guards_.resize(gapGuardCount_);
@@ -185,13 +221,13 @@ void ModeDynamics::switchingValues(std::span<const int> guards, double *values, 
   }
 }
 
-double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double slow) {
+double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double part) {
   completeRows();
   at_.setPoint(at_.time(), state);
   at_.switching(ModelEvaluation::Slips);
   stops_ = nothingStops_;
   for (int pair = 0; pair < slips_.count(); ++pair)
-    if (pair == guards_[stopped].index || slips_.speed(pair) <= slow)
+    if (pair == guards_[stopped].index || slips_.speed(pair) <= part * slips_.scale(pair))
       stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
   return projection_.project(state, scale, stops_.data());
 }

@@ -12,7 +12,7 @@ std::vector<double> array(int rows, int columns = 1) { return std::vector<double
 }  // namespace
 
 ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inputs)
-    : mobility(MassMatrix(model.nv, model.mass_rows, model.mass_columns), model.nh), massMatrix(array(model.nv, model.nv)),
+    : scales(model), mobility(MassMatrix(model.nv, model.mass_rows, model.mass_columns), model.nh), massMatrix(array(model.nv, model.nv)),
       force(array(model.nv)), stateRate(array(model.nz)), gap(array(model.nc)), gapRate(array(model.nc)), slip(array(model.nt)),
       condition(array(model.ns)), normal(array(model.nc, model.nv)), normalBias(array(model.nc)), tangent(array(model.nt, model.nv)),
       tangentBias(array(model.nt)), friction(array(model.nc)), bound(array(model.nt)), residual(array(model.nh)),
@@ -20,10 +20,11 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
       restitution(array(model.nc)), forceByStep(array(model.nv, model.ns)), stateRateByStep(array(model.nz, model.ns)),
       input(array(model.nu)), inputRate(array(model.nu)), stepVariable(array(model.ns)), acceleration(array(model.nv)),
       normalForce(array(model.nc)), tangentForce(array(model.nt)), multiplier(array(model.nh)), model_(&model), inputs_(&inputs),
-      someMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1), oneMask_(someMask_), screen_(model),
+      someMask_(2 * static_cast<std::size_t>(model.nc) + model.nf + 1), oneMask_(someMask_), screen_(model, scales),
       coordinateRate_(array(model.nq)) {
   const int nx = columns();
-  zero_ = array(stateSize());
+  zero_ = displaced_ = array(stateSize());
+  everything_.assign(static_cast<std::size_t>(model.nc) + model.nf, 1);
   conditionGradient = array(model.ns, nx);
   residualByState = array(model.nv, nx);
   stateRateByState = array(model.nz, nx);
@@ -199,6 +200,21 @@ void ModelEvaluation::contactTerms(const std::uint8_t *mask) {
 void ModelEvaluation::contactParameters() {
   double *const out[] = {rate.data(), restitution.data()};
   model_->contact_parameters(in_, out, nullptr);
+}
+
+// How angles move a gap may vanish at one point.
+void ModelEvaluation::measureScales(double time, const double *state) {
+  displaced_.assign(state, state + stateSize());
+  setPoint(time, displaced_.data());
+  moveCoordinates(displaced_.data(), scales.lengths().data());
+  scales.start();
+  for (const double *point : {static_cast<const double *>(displaced_.data()), state}) {
+    setPoint(time, point);
+    contactTerms(everything_.data());
+    constraintRows();
+    scales.include(normal.data(), tangent.data(), constraintJacobian.data());
+  }
+  scales.finish();
 }
 
 void ModelEvaluation::constraintResiduals() { constraintTerms(true, false); }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "runtime/abi/tf_model.h"
+#include "runtime/integrate/contact_scales.h"
 #include "runtime/integrate/gap_screen.h"
 #include "runtime/integrate/mobility.h"
 #include "runtime/model/input_signals.h"
@@ -54,6 +55,8 @@ public:
   // mask [nc + nf]
   void contactTerms(const std::uint8_t *mask);
   void contactParameters();
+  // scales, from the rows at (t, y) and where the coordinates are displaced by their nominal magnitudes. Changes the rows.
+  void measureScales(double time, const double *state);
   // Residuals and their rates.
   void constraintResiduals();
   // H and bias
@@ -83,6 +86,7 @@ public:
   // Number of tau in the state.
   [[nodiscard]] int tauIndex() const { return stateSize() - 1; }
   [[nodiscard]] int columns() const { return model_->nq + model_->nv + model_->nz + model_->nu + 1; }
+  [[nodiscard]] const double *coordinates() const { return in_[TF_IN_Q]; }
   [[nodiscard]] const double *velocities() const { return in_[TF_IN_V]; }
   [[nodiscard]] const double *parameters() const { return in_[TF_IN_P]; }
   [[nodiscard]] double time() const { return time_; }
@@ -96,6 +100,7 @@ public:
   // Counts the calls of setParameters.
   [[nodiscard]] long long parameterRevision() const { return parameterRevision_; }
 
+  ContactScales scales;  // measureScales
   Mobility mobility;
   std::vector<double> massMatrix, force, stateRate;                               // dynamics
   std::vector<double> gap, gapRate, slip, condition;                              // switching
@@ -129,7 +134,8 @@ private:
   const double *in_[TF_IN_COUNT] = {};
   std::array<double *, 9> contactDynamics_;  // its results
   std::vector<double> coordinateChange_, inputShift_;
-  std::vector<double> zero_;  // a state
+  std::vector<double> zero_, displaced_;  // states
+  std::vector<std::uint8_t> everything_;  // nc + nf
   double time_ = 0, segment_ = 0;
   long long parameterRevision_ = 0;
   bool constantInputs_ = false;

@@ -85,7 +85,7 @@ void Projection::correctWithDelassus(double *target) {
 // Change of a row's gap or velocity by what the constraints have changed.
 double Projection::changeAlong(int row) const { return at_.model().nh > 0 ? rows_.product(row, change_.data()) : 0; }
 
-// Residuals of gaps and holonomic constraints, these already corrected in change_; the largest one relative to its nominal.
+// Residuals of gaps and holonomic constraints, these already corrected in change_; the largest one relative to its scale.
 double Projection::coordinateResiduals() {
   const tf_model &model = at_.model();
   double worst = 0;
@@ -95,7 +95,7 @@ double Projection::coordinateResiduals() {
     for (int k = 0; k < model.nk; ++k)
       for (int row = model.constraints[k].row_first; row < model.constraints[k].row_first + model.constraints[k].row_count; ++row) {
         constraintChange_[row] = model.constraints[k].holonomic ? -at_.residual[row] : 0;
-        worst = std::max(worst, std::abs(constraintChange_[row]) / model.constraints[k].nominal);
+        worst = std::max(worst, std::abs(constraintChange_[row]) / at_.scales.residual(row));
       }
     at_.mobility.correct(constraintChange_.data(), change_.data());
   }
@@ -106,7 +106,7 @@ double Projection::coordinateResiduals() {
     corrected_[i] = isNormal;
     residual_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - changeAlong(i) : 0;
     if (isNormal)
-      worst = std::max(worst, std::abs(residual_[i]) / model.contacts[rows_.contacts()[i]].nominal);
+      worst = std::max(worst, std::abs(residual_[i]) / at_.scales.gap(rows_.contacts()[i], at_.coordinates()));
   }
   return worst;
 }

@@ -10,7 +10,7 @@ namespace tf::runtime {
 
 namespace {
 
-// Slips below this part of the largest velocity are rounding errors of zero.
+// Slips below this part of the velocities that move them are rounding errors of zero.
 constexpr double still = 1e-12;
 
 }  // namespace
@@ -19,10 +19,6 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
   const tf_model &model = at_.model();
   pairs_.clear();
   launches_ = false;
-  double largest = 1;
-  for (int i = 0; i < model.nv; ++i)
-    largest = std::max(largest, std::abs(state[model.nq + i]));
-  rounding_ = accuracy_ * largest;
   bool evaluated = false;
   for (std::size_t j = 0; j < rows.tangents().size(); ++j) {
     const int row = rows.tangents()[j];
@@ -33,7 +29,9 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
       at_.switching(ModelEvaluation::Slips);
       evaluated = true;
     }
-    Pair pair = {static_cast<int>(j), row, 1, 0, false, false, false};
+    const double *velocities = state + model.nq;
+    const double scale = std::max(at_.scales.slip(row, velocities), at_.scales.slip(row + 1, velocities));
+    Pair pair = {static_cast<int>(j), row, 1, 0, scale, false, false, false};
     const bool given = static_cast<int>(mode.direction.size()) > row + 1 && (mode.direction[row] != 0 || mode.direction[row + 1] != 0);
     if (given) {
       pair.c = mode.direction[row];
@@ -49,7 +47,7 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
     return;
   renew(time, state);
   for (int k = 0; k < count(); ++k)
-    launches_ = launches_ || speed(k) <= 10 * rounding_;
+    launches_ = launches_ || speed(k) <= 10 * rounding(k);
 }
 
 void SlipDirections::renew(double time, const double *state) {
@@ -61,8 +59,8 @@ void SlipDirections::renew(double time, const double *state) {
     pair.held = false;
     const double x = at_.slip[pair.modelRow], y = at_.slip[pair.modelRow + 1], speed = std::hypot(x, y);
     // A slow slip keeps its reference direction, unless it is clearly another one.
-    const bool isAstray = speed > still * largestVelocity() && along(pair) < 0.5 * speed;
-    if (speed <= 10 * rounding_ && !isAstray)
+    const bool isAstray = speed > still * pair.scale && along(pair) < 0.5 * speed;
+    if (speed <= 10 * accuracy_ * pair.scale && !isAstray)
       continue;
     pair.c = x / speed;
     pair.s = y / speed;
@@ -70,16 +68,16 @@ void SlipDirections::renew(double time, const double *state) {
   }
 }
 
-void SlipDirections::hold(double slow) {
+void SlipDirections::hold(double part) {
   for (int k = 0; k < count(); ++k)
-    pairs_[k].held = slow > 0 && speed(k) <= slow;
+    pairs_[k].held = part > 0 && speed(k) <= part * pairs_[k].scale;
 }
 
 bool SlipDirections::watchGrowth(const double *rates) {
   bool slow = false;
   for (int k = 0; k < count(); ++k) {
     Pair &pair = pairs_[k];
-    pair.starts = speed(k) <= 10 * still * largestVelocity();
+    pair.starts = speed(k) <= 10 * still * pair.scale;
     pair.grows = pair.starts || rates[k] > 0;
     slow = slow || (pair.grows && isSlow(k));
   }
@@ -141,7 +139,7 @@ double SlipDirections::turnToFriction() {
 
 bool SlipDirections::isSlow(int pair) const {
   constexpr double small = 1e-2;
-  return speed(pair) <= small * largestVelocity();
+  return speed(pair) <= small * pairs_[pair].scale;
 }
 
 bool SlipDirections::turnBack() const {
@@ -155,7 +153,7 @@ bool SlipDirections::haveLaunched() const {
   return true;
 }
 
-double SlipDirections::rounding(const Pair &pair) const { return pair.grows ? still * largestVelocity() : rounding_; }
+double SlipDirections::rounding(const Pair &pair) const { return (pair.grows ? still : accuracy_) * pair.scale; }
 
 double SlipDirections::along(const Pair &pair) const { return pair.c * at_.slip[pair.modelRow] + pair.s * at_.slip[pair.modelRow + 1]; }
 
@@ -201,7 +199,7 @@ void SlipDirections::differentiate(double time, const double *state) {
     point[k] = state[k];
   };
   for (int k = 0; k < model.nq; ++k) {
-    const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(1.0, std::abs(state[k]));
+    const double step = std::cbrt(std::numeric_limits<double>::epsilon()) * std::max(at_.scales.nominal()[k], std::abs(state[k]));
     difference(k, step, 0.5 / step, true);
     difference(k, -step, -0.5 / step, false);
   }

@@ -16,8 +16,7 @@ class SlipDirections {
 public:
   explicit SlipDirections(ModelEvaluation &evaluation) : at_(evaluation) {}
 
-  // Slips below this part of the largest velocity (at least 1) have the reference direction, unless they grow: within the accuracy of
-  // velocities.
+  // Slips below this part of their scale have the reference direction, unless they grow: within the accuracy of velocities.
   void setAccuracy(double relative) { accuracy_ = std::max(relative, 1e-12); }
 
   // The pairs among `rows` that slip (problem.slipSign ≠ 0), with the reference directions of a new mode that begins at (t, y): those of
@@ -36,10 +35,9 @@ public:
   // Part of the slip along the reference direction, and ‖v_t‖.
   [[nodiscard]] double along(int pair) const { return along(pairs_[pair]); }
   [[nodiscard]] double speed(int pair) const;
-  // Slips below have the reference direction.
-  [[nodiscard]] double rounding() const { return rounding_; }
-  // Magnitude of the velocities that slips are compared with.
-  [[nodiscard]] double largestVelocity() const { return rounding_ / accuracy_; }
+  // Magnitude of the velocities that the slip is compared with (ContactScales); slips below `rounding` have the reference direction.
+  [[nodiscard]] double scale(int pair) const { return pairs_[pair].scale; }
+  [[nodiscard]] double rounding(int pair) const { return accuracy_ * scale(pair); }
 
   // A slip starts from zero at the last `choose`: its direction is stiff at first, for any integrator that is not.
   [[nodiscard]] bool launches() const { return launches_; }
@@ -61,9 +59,9 @@ public:
   [[nodiscard]] bool turnBack() const;
   // No slip is small any more at the point of the last `renew`.
   [[nodiscard]] bool haveLaunched() const;
-  // The direction of friction is the reference direction, whatever the slip is, for the pairs that are now not faster than `slow`, until
-  // `renew`, `choose` or the next call; for all others it is that of the slip.
-  void hold(double slow);
+  // The direction of friction is the reference direction, whatever the slip is, for the pairs that are now not faster than `part` of their
+  // scale, until `renew`, `choose` or the next call; for all others it is that of the slip.
+  void hold(double part);
 
   // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
   void differentiate(double time, const double *state);
@@ -80,6 +78,7 @@ private:
   struct Pair {
     int row = 0, modelRow = 0;
     double c = 1, s = 0;  // reference direction
+    double scale = 1;
     bool held = false;
     bool grows = false, starts = false;  // at the latest `watchGrowth`
   };
@@ -94,7 +93,7 @@ private:
 
   ModelEvaluation &at_;
   std::vector<Pair> pairs_;
-  double accuracy_ = 1e-12, rounding_ = 0;
+  double accuracy_ = 1e-12;
   bool launches_ = false;
   std::vector<double> slipByState_;  // d slip/d(q, v): two rows for each pair
 };

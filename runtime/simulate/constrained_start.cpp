@@ -108,22 +108,22 @@ bool ConstrainedStart::contradict(const std::vector<int> &rows, const std::vecto
 
 std::string ConstrainedStart::violation(bool ofVelocities) const {
   const tf_model &model = at_.model();
-  double speed = 1;
-  for (int i = 0; ofVelocities && i < model.nv; ++i)
-    speed = std::max(speed, std::abs(at_.velocities()[i]));
   std::string text;
   std::vector<int> rows;
   for (int k = 0; k < model.nk; ++k) {
     const tf_constraint &constraint = model.constraints[k];
-    const double allowed = accepted * std::max(1.0, constraint.nominal) * speed;
     double worst = 0;
+    bool isViolated = false;
     for (int row = constraint.row_first; row < constraint.row_first + constraint.row_count; ++row) {
       const double value = ofVelocities ? at_.residualRate[row] : constraint.holonomic != 0 ? at_.residual[row] : 0;
+      const double scale = ofVelocities ? at_.scales.residualRate(row, at_.velocities()) : at_.scales.residual(row);
       worst = std::isfinite(value) ? std::max(worst, std::abs(value)) : std::numeric_limits<double>::infinity();
-      if (!(std::abs(value) <= allowed))
-        rows.push_back(row);
+      if (std::abs(value) <= accepted * scale)
+        continue;
+      rows.push_back(row);
+      isViolated = true;
     }
-    if (worst <= allowed)
+    if (!isViolated)
       continue;
     text += fmt::format("{}the start {} constraint '{}' by {:.6g} {}", text.empty() ? "" : "; ",
                         ofVelocities ? "of the velocities violates" : "violates", constraint.name, worst, sourceOf(constraint.location));

@@ -111,7 +111,12 @@ void EventDetection::readGuards(double time, Sample &sample) {
 }
 
 double EventDetection::stepAside(double time, const double *state, const double *rate) {
-  static const double increment = std::sqrt(std::numeric_limits<double>::epsilon());
+  // Far from zero times are not resolved better.
+  static const double least = std::sqrt(std::numeric_limits<double>::epsilon());
+  constexpr double resolved = 1e5 * std::numeric_limits<double>::epsilon();
+  double increment = least;
+  if (const double shift = resolved * std::abs(time); shift > least)
+    increment = (time + shift) - time;
   for (int i = 0; i < dynamics_.size(); ++i)
     state_[i] = state[i] + increment * rate[i];
   dynamics_.model().setPoint(time + increment, state_.data());
@@ -194,7 +199,7 @@ double EventDetection::guardInside(int guard, double time) {
   return guardAt(guard, time, state_.data());
 }
 
-void EventDetection::restart(double time, double speedOfRounding) {
+void EventDetection::restart(double time, double partOfRounding) {
   const std::vector<Guard> &guards = dynamics_.guards();
   needsForces_ = hasDifferences_ = false;
   for (std::size_t k = dynamics_.gapGuardCount(); k < guards.size(); ++k) {
@@ -212,11 +217,17 @@ void EventDetection::restart(double time, double speedOfRounding) {
   // A gap that opens at a speed needs no distance to be taken for open.
   for (const int k : awake_) {
     const double least = threshold(k);
-    const bool opens =
-        startsToRounding_ ? begin_.rate[k] > speedOfRounding : begin_.rate[k] > 1e3 * least && begin_.value[k] > -1e-3 * least;
+    const bool opens = dynamics_.guards()[k].kind == GuardKind::Gap && opensAtSpeed(k, partOfRounding);
     const Arming armed = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
     starts_[k] = {armed, time, begin_.value[k], begin_.rate[k]};
   }
+}
+
+bool EventDetection::opensAtSpeed(int guard, double partOfRounding) const {
+  const ModelEvaluation &model = dynamics_.model();
+  const double scale = model.scales.gapRate(dynamics_.guards()[guard].index, model.velocities());
+  return startsToRounding_ ? begin_.rate[guard] > partOfRounding * scale
+                           : begin_.rate[guard] > 1e3 * error_ * scale && begin_.value[guard] > -1e-3 * threshold(guard);
 }
 
 bool EventDetection::isCurrent() const { return awakeRevision_ == dynamics_.model().screen().revision(); }
@@ -277,10 +288,10 @@ void EventDetection::wake() {
 }
 
 // Gaps are the first guards of a mode, and the same ones with any choice of directions and forces.
-void EventDetection::resume(double time, double speedOfRounding) {
+void EventDetection::resume(double time, double partOfRounding) {
   resumed_ = starts_;
   previous_.swap(awake_);
-  restart(time, speedOfRounding);
+  restart(time, partOfRounding);
   for (const int k : awake_)
     if (k < dynamics_.gapGuardCount())
       starts_[k] = std::binary_search(previous_.begin(), previous_.end(), k) ? resumed_[k] : openStart(time);

@@ -35,10 +35,10 @@ public:
   // Before all else.
   void setIntegrator(SmoothIntegrator &integrator);
   // A new mode begins at `time`, in the state of the dynamics' last evaluation.
-  // Gaps that start at zero with a larger rate than `speedOfRounding` are open.
-  void restart(double time, double speedOfRounding);
+  // Gaps that start at zero with a larger rate than `partOfRounding` of its scale are open.
+  void restart(double time, double partOfRounding);
   // A step was cut short and the mode goes on, with another choice of directions or of redundant forces: gaps stay as open as they were.
-  void resume(double time, double speedOfRounding);
+  void resume(double time, double partOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
   // Where the next step should end at the latest: `limit`, or right behind an event that is expected before it.
@@ -77,6 +77,7 @@ private:
   };
 
   [[nodiscard]] bool isCurrent() const;
+  [[nodiscard]] bool opensAtSpeed(int guard, double partOfRounding) const;
   void chooseAwake();
   void coverStep(double reach);
   void wake();

@@ -17,8 +17,8 @@ std::string_view nameOfNonFinite(double value) { return std::isnan(value) ? "NaN
 // Disks whose radius the selection of modes could take for zero.
 constexpr double leastSlipRadius = 1e-9;
 
-// The largest gap of a contact that starts closed.
-double touchingGap(const tf_contact &contact) { return 1e-9 * std::max(1.0, contact.nominal); }
+// The largest gap of a contact that starts closed, relative to its scale.
+constexpr double touchingGap = 1e-9;
 
 // `slips`: of the element's rows.
 template <class Element> std::string slipRadius(std::string_view kind, const Element &element, const double *slips) {
@@ -84,7 +84,7 @@ std::string FailureTexts::contactsAtStart(double time, const double *state) {
     const tf_contact &contact = model_.contacts[i];
     if (!std::isfinite(at_.gap[i]))
       return fmt::format("'{}.gap' is {} at the start {}", contact.name, nameOfNonFinite(at_.gap[i]), sourceOf(contact.location));
-    if (at_.gap[i] < -touchingGap(contact))
+    if (at_.gap[i] < -touchingGap * at_.scales.gap(i, state))
       return fmt::format("contact '{}' starts with a penetration of {:.6g} {}", contact.name, -at_.gap[i], sourceOf(contact.location));
   }
   return {};
@@ -193,7 +193,7 @@ std::string FailureTexts::nonFiniteContact() {
       if (!std::isfinite(value))
         return found(value, "gap", "contact", contact.name, contact.location);
     // Nobody reads the slip of an open contact.
-    if (at_.gap[i] > touchingGap(contact))
+    if (at_.gap[i] > touchingGap * at_.scales.gap(i, at_.coordinates()))
       continue;
     if (const double value = slipOf(contact.tangent_first, contact.tangent_count); !std::isfinite(value))
       return found(value, "slip", "contact", contact.name, contact.location);

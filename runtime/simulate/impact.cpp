@@ -11,7 +11,7 @@ namespace tf::runtime {
 
 namespace {
 
-// What rows of contacts make of rounding errors of coordinates and velocities, relative to the largest velocity, at least 1.
+// What rows of contacts make of rounding errors of coordinates and velocities, relative to the largest velocity that moves one of them.
 constexpr double roundingOfVelocities = 1e-13;
 
 }  // namespace
@@ -47,9 +47,12 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
   }
   for (std::size_t j = 0; j < tangents.size(); ++j)
     problem_.slipVelocity[j] = at_.slip[tangents[j]];
-  double largest = 1;
-  for (int k = 0; k < model.nv; ++k)
-    largest = std::max(largest, std::abs(state[model.nq + k]));
+  const double *velocities = state + model.nq;
+  double largest = 0;
+  for (const int i : contacts)
+    largest = std::max(largest, at_.scales.gapRate(i, velocities));
+  for (const int row : tangents)
+    largest = std::max(largest, at_.scales.slip(row, velocities));
   problem_.resolution = roundingOfVelocities * largest;
 }
 
@@ -74,18 +77,19 @@ void Impact::findWork(const double *impulse, const double *velocities) {
 }
 
 // What the end of an impact must satisfy however it was found: v⁺ = v⁻ + D Λ, no contact approaches, Λ_n ≥ 0 and ‖Λ_t‖ ≤ μ Λ_n (the
-// integral of forces within the cone is within it). Relative to the largest velocity, at least 1, all rows in the metric of D.
+// integral of forces within the cone is within it). Relative to the largest velocity, all rows in the metric of D.
 void Impact::certify(const FrozenResult &result, const std::vector<double> &impulse) {
   const int n = problem_.normalCount, count = problem_.count();
   const auto metric = [this](int r) { return problem_.delassus(r, r) > 0 ? std::sqrt(problem_.delassus(r, r)) : 1.0; };
-  double scale = problem_.resolution / roundingOfVelocities, worst = 0;
+  const double fastest = problem_.resolution / roundingOfVelocities;
+  double scale = 0, worst = 0;
   const auto include = [&worst](double violation) { worst = violation > worst || std::isnan(violation) ? violation : worst; };
   for (int r = 0; r < count; ++r) {
     const double before = r < n ? problem_.normalVelocity[r] : problem_.slipVelocity[r - n], after = result.velocity[r];
     double change = 0;
     for (int c = 0; c < count; ++c)
       change += problem_.delassus(r, c) * impulse[c];
-    scale = std::max({scale, std::abs(before) / metric(r), std::abs(after) / metric(r)});
+    scale = std::max({scale, fastest / metric(r), std::abs(before) / metric(r), std::abs(after) / metric(r)});
     include(std::abs(after - before - change) / metric(r));
     if (r < n)
       include(std::max(-after / metric(r), -impulse[r] * metric(r)));

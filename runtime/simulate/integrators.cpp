@@ -35,21 +35,10 @@ std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings
 }  // namespace
 
 IntegratorSettings Integrators::settings(const SimulationOptions &options) const {
-  const tf_model &model = dynamics_.model().model();
   IntegratorSettings settings;
   settings.tolerance = options.tolerance;
   settings.fixedStep = options.fixedStep;
-  settings.scale.assign(dynamics_.size(), 1.0);
-  for (int k = 0; k < model.variable_count; ++k) {
-    const tf_variable &variable = model.variables[k];
-    const double nominal = std::abs(variable.nominal) > 0 ? std::abs(variable.nominal) : 1;
-    if (variable.kind == TF_KIND_COORDINATE)
-      settings.scale[variable.index] = nominal;
-    else if (variable.kind == TF_KIND_VELOCITY)
-      settings.scale[model.nq + variable.index] = nominal;
-    else if (variable.kind == TF_KIND_STATE)
-      settings.scale[model.nq + model.nv + variable.index] = nominal;
-  }
+  settings.scale = dynamics_.model().scales.nominal();
   return settings;
 }
 

@@ -12,7 +12,7 @@ namespace tf::runtime {
 
 namespace {
 
-// Gaps of contacts that graze may be below zero by this, times the contact's nominal: rounding; and of those that no impulse can part.
+// Gaps of contacts that graze may be below zero by this, times the gap's scale: rounding; and of those that no impulse can part.
 constexpr double deepestGrazing = 1e-12, deepestJam = 1e-10;
 
 }  // namespace
@@ -21,14 +21,6 @@ ModeSelection::ModeSelection(ModeDynamics &dynamics, SelectionTolerances toleran
     : dynamics_(dynamics), at_(dynamics.model()), tolerances_(tolerances), contactOf_(contactsOfTangents(at_.model())),
       roles_(rolesOfTangents(at_.model())), mask_(at_.model().nc + at_.model().nf), rate_(dynamics.size()),
       freeAcceleration_(at_.model().nv), grazingSpeed_(at_.model().nc) {}
-
-double ModeSelection::velocityTolerance(const double *state) const {
-  const tf_model &model = at_.model();
-  double largest = 1;
-  for (int i = 0; i < model.nv; ++i)
-    largest = std::max(largest, std::abs(state[model.nq + i]));
-  return tolerances_.velocity * largest;
-}
 
 void ModeSelection::findTouching(double time, const double *state) {
   if (at_.model().nc > 0) {
@@ -45,39 +37,39 @@ void ModeSelection::listTouching(const double *state) {
   approaching_.clear();
   grazing_.clear();
   for (int i = 0; grazes_ && i < model.nc; ++i)
-    if (!(at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal))
+    if (!(at_.gap[i] <= closedGap(i, state)))
       grazingSpeed_[i] = 0;
   grazes_ = grazes_ && std::any_of(grazingSpeed_.begin(), grazingSpeed_.end(), [](double speed) { return speed != 0; });
   forEachSet(at_.screen().awake(), model.nc, [&](int i) {
-    if (at_.gap[i] <= tolerances_.gap * model.contacts[i].nominal)
+    if (at_.gap[i] <= closedGap(i, state))
       touching_.push_back(i);
   });
   if (touching_.empty())
     return;
-  const double tolerance = velocityTolerance(state);
   std::copy_if(touching_.begin(), touching_.end(), std::back_inserter(approaching_),
-               [this, tolerance](int i) { return at_.gapRate[i] < -tolerance; });
+               [this, state](int i) { return at_.gapRate[i] < -stillRate(i, state); });
   if (!approaching_.empty())
-    removeGrazing();
+    removeGrazing(state);
 }
 
 // A body that falls between two others into a place that it just fits touches them all the way down, but for rounding: their gaps are
 // quadratic in its height. An impact would hold it there like a toggle lever, by any force. Accelerations are those of the last evaluation.
-void ModeSelection::removeGrazing() {
+void ModeSelection::removeGrazing(const double *state) {
   // Faster approaches do not turn round within the tolerance.
   constexpr double fast = 1e-3, hardly = 2;
+  const auto isSlow = [&](int i) { return at_.gapRate[i] > -fast / tolerances_.velocity * stillRate(i, state); };
   const tf_model &model = at_.model();
-  if (std::none_of(approaching_.begin(), approaching_.end(), [&](int i) { return at_.gapRate[i] > -fast; }))
+  if (std::none_of(approaching_.begin(), approaching_.end(), isSlow))
     return;
   slowMask_.assign(model.nc + model.nf, 0);
   for (const int i : approaching_)
-    slowMask_[i] = at_.gapRate[i] > -fast ? 1 : 0;
+    slowMask_[i] = isSlow(i) ? 1 : 0;
   at_.contactTerms(slowMask_.data());
   std::copy_if(approaching_.begin(), approaching_.end(), std::back_inserter(grazing_), [&](int i) {
-    const double nominal = model.contacts[i].nominal, least = at_.gap[i] + deepestGrazing * nominal, rate = at_.gapRate[i];
+    const double scale = at_.scales.gap(i, state), least = at_.gap[i] + deepestGrazing * scale, rate = at_.gapRate[i];
     if (!slowMask_[i])
       return false;
-    if (-rate <= hardly * grazingSpeed_[i] && at_.gap[i] >= -deepestJam * nominal)
+    if (-rate <= hardly * grazingSpeed_[i] && at_.gap[i] >= -deepestJam * scale)
       return true;
     if (!(least >= 0))
       return false;
@@ -95,10 +87,8 @@ void ModeSelection::removeGrazing() {
 
 bool ModeSelection::letGraze(const double *state) {
   constexpr double slow = 1e-6;
-  const tf_model &model = at_.model();
-  const double fastest = slow / tolerances_.velocity * velocityTolerance(state);
   const bool mayGraze = std::all_of(approaching_.begin(), approaching_.end(), [&](int i) {
-    return at_.gapRate[i] >= -fastest && at_.gap[i] >= -deepestJam * model.contacts[i].nominal;
+    return at_.gapRate[i] >= -slow / tolerances_.velocity * stillRate(i, state) && at_.gap[i] >= -deepestJam * at_.scales.gap(i, state);
   });
   for (const int i : approaching_)
     if (mayGraze)
@@ -139,18 +129,17 @@ std::string ModeSelection::jump(const double *state) {
   if (std::none_of(model.switches, model.switches + model.ns, [](const tf_switch &one) { return one.kind == TF_SWITCH_TIME; }))
     return {};
   for (int i = 0; i < model.nc; ++i)
-    if (const tf_contact &contact = model.contacts[i]; at_.gap[i] < -clear * std::max(1.0, contact.nominal))
+    if (const tf_contact &contact = model.contacts[i]; at_.gap[i] < -clear * at_.scales.gap(i, state))
       return fmt::format("the gap of contact '{}' jumps to {:.6g} {}", contact.name, at_.gap[i], sourceOf(contact.location));
   if (model.nh == 0)
     return {};
-  const double slow = clear / tolerances_.velocity * velocityTolerance(state);
   at_.constraintResiduals();
   for (int k = 0; k < model.nk; ++k) {
     const tf_constraint &constraint = model.constraints[k];
     for (int row = constraint.row_first; row < constraint.row_first + constraint.row_count; ++row)
-      if (const double error = constraint.holonomic ? at_.residual[row] : 0; std::abs(error) > clear * std::max(1.0, constraint.nominal))
+      if (const double error = constraint.holonomic ? at_.residual[row] : 0; std::abs(error) > clear * at_.scales.residual(row))
         return fmt::format("the residual of constraint '{}' jumps to {:.6g} {}", constraint.name, error, sourceOf(constraint.location));
-      else if (const double rate = at_.residualRate[row]; std::abs(rate) > slow)
+      else if (const double rate = at_.residualRate[row]; std::abs(rate) > clear * at_.scales.residualRate(row, state + model.nq))
         return fmt::format("the velocity of constraint '{}' jumps by {:.6g}, which only contacts may {}", constraint.name, std::abs(rate),
                            sourceOf(constraint.location));
   }
@@ -214,12 +203,11 @@ bool ModeSelection::hasFriction(int contact) const {
 
 void ModeSelection::chooseRows(double time, const double *state, const Mode &previous) {
   const tf_model &model = at_.model();
-  const double velocityTolerance = this->velocityTolerance(state);
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
   contacts.clear();
   tangents.clear();
   std::copy_if(touching_.begin(), touching_.end(), std::back_inserter(contacts),
-               [this, velocityTolerance](int i) { return std::abs(at_.gapRate[i]) <= velocityTolerance; });
+               [this, state](int i) { return std::abs(at_.gapRate[i]) <= stillRate(i, state); });
   if (contacts.empty() && model.nf == 0) {
     if (problem_.count() > 0) {
       system_.choose(model, contacts, tangents);
@@ -239,15 +227,16 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   });
   system_.choose(model, contacts, tangents);
   for (std::size_t j = 0; j < tangents.size(); ++j) {
-    const double slip = at_.slip[tangents[j]];
+    const double slip = at_.slip[tangents[j]], still = stillSlip(tangents[j], state);
     if (roles_[tangents[j]] == TangentRole::Steady) {
       problem_.slipSign[j] = 1;
     } else if (problem_.partner[j] < 0) {
-      problem_.slipSign[j] = slip > velocityTolerance ? 1 : slip < -velocityTolerance ? -1 : 0;
+      problem_.slipSign[j] = slip > still ? 1 : slip < -still ? -1 : 0;
     } else if (problem_.partner[j] > static_cast<int>(j)) {
       const double other = at_.slip[tangents[j + 1]], speed = std::hypot(slip, other);
-      problem_.slipSign[j] = problem_.slipSign[j + 1] = speed > velocityTolerance ? 1 : 0;
-      if (speed > velocityTolerance)
+      const bool slips = speed > std::max(still, stillSlip(tangents[j + 1], state));
+      problem_.slipSign[j] = problem_.slipSign[j + 1] = slips ? 1 : 0;
+      if (slips)
         rows_.setFrame(static_cast<int>(j), slip / speed, other / speed);
     }
   }
@@ -294,10 +283,10 @@ const double *ModeSelection::readForces() {
 }
 
 // Slips that are zero, and whose accelerations no force changes, go on to the side of these.
-void ModeSelection::startInertSlips(double still) {
+void ModeSelection::startInertSlips(const double *state) {
   for (int j = 0; j < problem_.tangentCount; ++j)
     if (const double bias = problem_.bias[problem_.normalCount + j];
-        std::abs(at_.slip[rows_.tangents()[j]]) <= still && problem_.isInert(j))
+        std::abs(at_.slip[rows_.tangents()[j]]) <= stillSlip(rows_.tangents()[j], state) && problem_.isInert(j))
       problem_.slipSign[j] = bias > 0 ? 1 : bias < 0 ? -1 : 0;
 }
 
@@ -320,7 +309,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   system_.gather(at_);
   system_.respond(at_);
   system_.setBias(at_, freeAcceleration_.data());
-  startInertSlips(velocityTolerance(state));
+  startInertSlips(state);
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, readForces());
   if (solution.status == ContactStatus::Inconsistent) {
     forced_ = rows_.contacts()[solution.forced];

@@ -12,8 +12,8 @@
 namespace tf::runtime {
 
 struct SelectionTolerances {
-  double gap = 1e-10;        // · nominal of the contact: the contact is closed
-  double velocity = 1e-11;   // · largest velocity, at least 1: gap rate or slip (its magnitude) is zero
+  double gap = 1e-10;        // · scale of the gap: the contact is closed
+  double velocity = 1e-11;   // · scale of the velocity: gap rate or slip (its magnitude) is zero
   double condition = 1e-11;  // · max(1, |c| of the rates): the switch is on its surface
 };
 
@@ -71,7 +71,14 @@ public:
     grazes_ = true;
     return grazingSpeed_;
   }
-  [[nodiscard]] double velocityTolerance(const double *state) const;
+  // Gaps up to the first of these are closed, gap rates and slips of tangential rows up to the others are zero (ContactScales).
+  [[nodiscard]] double closedGap(int contact, const double *state) const { return tolerances_.gap * at_.scales.gap(contact, state); }
+  [[nodiscard]] double stillRate(int contact, const double *state) const {
+    return tolerances_.velocity * at_.scales.gapRate(contact, state + at_.model().nq);
+  }
+  [[nodiscard]] double stillSlip(int row, const double *state) const {
+    return tolerances_.velocity * at_.scales.slip(row, state + at_.model().nq);
+  }
   [[nodiscard]] const SelectionTolerances &tolerances() const { return tolerances_; }
   [[nodiscard]] const ContactSolver::Statistics &contactStatistics() const { return solver_.statistics(); }
   void resetStatistics() { worstViolation_ = 0; }
@@ -88,8 +95,8 @@ private:
   };
 
   void listTouching(const double *state);
-  void removeGrazing();
-  void startInertSlips(double still);
+  void removeGrazing(const double *state);
+  void startInertSlips(const double *state);
   Trial tryAssignments(double time, const double *state);
   void settleForces(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;

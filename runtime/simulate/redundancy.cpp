@@ -65,8 +65,7 @@ std::string Redundancy::contradiction(double tolerance) {
   at_.constraintResiduals();
   double worst = 0;
   for (int row = 0; row < model.nh; ++row)
-    if (const double size = std::abs(at_.residual[static_cast<std::size_t>(row)]);
-        size > accepted * std::max(1.0, constraintOf(row).nominal))
+    if (const double size = std::abs(at_.residual[static_cast<std::size_t>(row)]); size > accepted * at_.scales.residual(row))
       worst = std::max(worst, size);
   if (worst == 0)
     return {};

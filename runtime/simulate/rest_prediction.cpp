@@ -43,12 +43,13 @@ Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv), reach_(at_.model()),
-      owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
-  reset();
+      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv),
+      reach_(at_.model(), at_.scales), owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
+  reset(0);
 }
 
-void RestPrediction::reset() {
+void RestPrediction::reset(double time) {
+  begin_ = time;
   std::fill(fastest_.begin(), fastest_.end(), 0.0);
   std::fill(last_.begin(), last_.end(), 0.0);
   impacts_ = 0;
@@ -73,12 +74,14 @@ void RestPrediction::restart() {
 void RestPrediction::write(double *numbers) const {
   std::copy(fastest_.begin(), fastest_.end(), numbers);
   numbers[fastest_.size()] = impacts_;
+  numbers[fastest_.size() + 1] = begin_;
 }
 
 void RestPrediction::read(const double *numbers) {
   std::copy_n(numbers, fastest_.size(), fastest_.begin());
   std::fill(last_.begin(), last_.end(), 0.0);
   impacts_ = numbers[fastest_.size()];
+  begin_ = numbers[fastest_.size() + 1];
   restart();
 }
 
@@ -99,6 +102,8 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
     lastTime_[contact] = time;
   }
   const double interval = time - lastImpact_;
+  if (!std::isfinite(interval))
+    firstImpact_ = time;
   lastImpact_ = time;
   if (!(++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval)))
     return false;
@@ -124,7 +129,7 @@ void RestPrediction::chooseContacts(double time, const double *state) {
     takesPart_[i] = last_[i] > 0 ? 1 : 0;
   // Closed contacts are awake.
   forEachSet(at_.screen().awake(), model.nc, [&](int i) {
-    if (dynamics_.mode().closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal)
+    if (dynamics_.mode().closed[i] || at_.gap[i] <= selection_.closedGap(i, state))
       takesPart_[i] = 1;
   });
 }
@@ -220,21 +225,22 @@ void RestPrediction::choosePair(int j) {
 
 // What is zero at the state but for rounding.
 void RestPrediction::classify(const double *state) {
-  const tf_model &model = at_.model();
   const Mode &mode = dynamics_.mode();
   const std::vector<int> &contacts = rows_.contacts(), &tangents = rows_.tangents();
-  const double still = selection_.velocityTolerance(state);
   touches_.assign(contacts.size(), 0);
   stands_.assign(contacts.size() + tangents.size(), 0);
   for (std::size_t k = 0; k < contacts.size(); ++k) {
     const int i = contacts[k];
-    touches_[k] = mode.closed[i] || at_.gap[i] <= selection_.tolerances().gap * model.contacts[i].nominal;
-    stands_[k] = mode.closed[i] || (touches_[k] && std::abs(at_.gapRate[i]) <= still);
+    touches_[k] = mode.closed[i] || at_.gap[i] <= selection_.closedGap(i, state);
+    stands_[k] = mode.closed[i] || (touches_[k] && std::abs(at_.gapRate[i]) <= selection_.stillRate(i, state));
   }
   for (std::size_t j = 0; j < tangents.size(); ++j) {
     const int row = tangents[j], partner = problem_.partner[j];
     const double other = partner < 0 ? 0.0 : at_.slip[tangents[static_cast<std::size_t>(partner)]];
     const double speed = std::hypot(at_.slip[row], other);
+    double still = selection_.stillSlip(row, state);
+    if (partner >= 0)
+      still = std::max(still, selection_.stillSlip(tangents[static_cast<std::size_t>(partner)], state));
     stands_[contacts.size() + j] = mode.tangent[row] == Tangent::Stick || speed <= still;
   }
 }
@@ -405,6 +411,12 @@ void RestPrediction::add(Prediction prediction) {
   predictions_.push_back(std::move(prediction));
 }
 
+// Times are as exact as a part of the run, and of some times the impacts' duration.
+double RestPrediction::timeScale() const {
+  constexpr double sometimes = 10;
+  return std::min(std::max(1.0, lastImpact_ - begin_), sometimes * (lastImpact_ - firstImpact_));
+}
+
 // True if the best extrapolation of the latest predictions (of two or more) agrees with the one of one prediction fewer, and with that of
 // the last time.
 bool RestPrediction::extrapolate(double tolerance, const double *scale) {
@@ -412,7 +424,7 @@ bool RestPrediction::extrapolate(double tolerance, const double *scale) {
   const auto difference = [&](const std::vector<double> &a, const std::vector<double> &b) {
     double largest = 0;
     for (int i = 0; i <= n; ++i)
-      largest = std::max(largest, std::abs(a[i] - b[i]) / std::max(i < n ? scale[i] : 1.0, std::abs(a[i])));
+      largest = std::max(largest, std::abs(a[i] - b[i]) / (i < n ? std::max(scale[i], std::abs(a[i])) : timeScale()));
     return largest;
   };
   std::vector<double> previous, best;

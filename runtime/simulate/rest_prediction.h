@@ -35,8 +35,8 @@ class RestPrediction {
 public:
   RestPrediction(ModeDynamics &dynamics, ModeSelection &selection);
 
-  // Forgets everything: a new run.
-  void reset();
+  // Forgets everything: a new run that begins at `time`.
+  void reset(double time);
   // The forces have changed by a jump: earlier predictions are void.
   void restart();
 
@@ -54,7 +54,7 @@ public:
   void endBounces(const std::vector<int> &contacts);
 
   // What continuation depends on: numberCount() numbers; reading them implies restart().
-  [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 1; }
+  [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 2; }
   void write(double *numbers) const;
   void read(const double *numbers);
 
@@ -89,6 +89,7 @@ private:
   [[nodiscard]] std::vector<double> extrapolatedDerivatives(std::size_t predictions, int columns) const;
   bool derivativesAgree(double tolerance, int columns);
   [[nodiscard]] bool isSlow() const;
+  [[nodiscard]] double timeScale() const;
   bool nothingElseHappens();
 
   ModeDynamics &dynamics_;
@@ -107,6 +108,7 @@ private:
   std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
   std::vector<double> lastTime_, lowUntil_;     // nc: of their last impact, and when its low bounces are over
   double impacts_ = 0;                          // number
+  double begin_ = 0, firstImpact_ = 0;          // times: of the run, and since restart()
   double lastImpact_ = 0, nextAttempt_ = 0;     // times
   int pause_ = 0, passed_ = 0;                  // impacts that are let pass before the next attempt, and those that have
   double wait_ = 0;                             // of the last attempt without a prediction, in intervals between impacts

@@ -118,9 +118,10 @@ void Sensitivities::shift(const Column &column, double s) {
 
 // 1 / magnitude of s that changes something by as much as its own size.
 double Sensitivities::scaleOf(const Column &column, const double *direction) const {
+  const double *nominal = dynamics_.model().scales.nominal().data();
   double largest = 0;
   for (int i = 0; i < n_; ++i)
-    largest = std::max(largest, std::abs(direction[i]) / std::max(1.0, std::abs(state_[static_cast<std::size_t>(i)])));
+    largest = std::max(largest, std::abs(direction[i]) / std::max(nominal[i], std::abs(state_[static_cast<std::size_t>(i)])));
   for (std::size_t i = 0; i < parameters_.size(); ++i)
     if (column.parameters[i] != 0)
       largest = std::max(largest, std::abs(column.parameters[i]) / (parameters_[i] != 0 ? std::abs(parameters_[i]) : 1.0));
@@ -375,9 +376,10 @@ bool Sensitivities::differentiateGuard(double time, const double *state, const d
       shift(*column, 0);
     return isGood;
   };
+  const double *nominal = dynamics_.model().scales.nominal().data();
   double largest = 1;
   for (int i = 0; i < n_; ++i)
-    largest = std::max(largest, std::abs(rate[i]) / std::max(1.0, std::abs(state[i])));
+    largest = std::max(largest, std::abs(rate[i]) / std::max(nominal[i], std::abs(state[i])));
   if (!along(1, rate, nullptr, largest, slope) || !(std::abs(slope) > 1e-9 * largest * dynamics_.guards()[guard].scale))
     return false;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
@@ -397,7 +399,7 @@ bool Sensitivities::differentiateGap(double time, const double *state, int conta
   at.setPoint(time, state_.data());
   at.switchingOf(contact);
   slope = at.gapRate[contact];
-  if (!(std::abs(slope) > 1e-11 * std::max(1.0, Eigen::Map<const Eigen::VectorXd>(state + nq, nv).lpNorm<Eigen::Infinity>())))
+  if (!(std::abs(slope) > 1e-11 * at.scales.gapRate(contact, state + nq)))
     return false;
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(at.model().nc + at.model().nf), 0);
   mask[static_cast<std::size_t>(contact)] = 1;

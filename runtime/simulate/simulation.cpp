@@ -70,12 +70,12 @@ void Simulation::Implementation::resumeMode() {
 
 void Simulation::Implementation::startIntegrator(GapsAtStart gaps) {
   SmoothIntegrator &integrator = integrators_.current();
-  const double slow = 0.5 * selection_.velocityTolerance(state_.data());
+  const double part = 0.5 * selection_.tolerances().velocity;
   detection_.setIntegrator(integrator);
   if (gaps == GapsAtStart::Unknown)
-    detection_.restart(time_, slow);
+    detection_.restart(time_, part);
   else
-    detection_.resume(time_, slow);
+    detection_.resume(time_, part);
   integrator.setSwitchTime(switchTime_);
   integrator.start(time_, state_.data(), rate_.data(), suggestedStep_);
   detection_.watchStart();
@@ -130,7 +130,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   lingeringSteps_ = 0;
   progress_.start(startTime, model_.nc + model_.nf + model_.ns);
   switchProgress_.start(model_.ns);
-  rest_.reset();
+  rest_.reset(startTime);
   modeValid_ = false;
   mode_.closed.assign(model_.nc, 0);
   mode_.tangent.assign(model_.nt, Tangent::None);
@@ -188,6 +188,7 @@ tf_status Simulation::Implementation::takeStarts() {
     return fail(failures_.singularMass());
   enterSegment();
   selection_.setStepVariables(time_, state_.data(), mode_);
+  at_.measureScales(time_, state_.data());
   if (std::string text = failures_.contactParameters(); !text.empty())
     return fail(std::move(text));
   return TF_OK;
@@ -273,7 +274,8 @@ tf_status Simulation::Implementation::checkStartDerivatives() {
     if (!sensitivities_->differentiate(gaps, time_, state_.data(), column, model_.nc, gapChange.data()))
       return failSensitivities("the start");
     for (int i = 0; i < model_.nc; ++i)
-      if (const tf_contact &contact = model_.contacts[i]; mode_.closed[i] && std::abs(gapChange[i]) > opens * contact.nominal)
+      if (const tf_contact &contact = model_.contacts[i];
+          mode_.closed[i] && std::abs(gapChange[i]) > opens * at_.scales.gap(i, state_.data()))
         return failSensitivities(fmt::format("the start: '{}' opens contact '{}' {}, which is closed there,",
                                              instance_.model().variables[owner_.options.sensitivities[column]].name, contact.name,
                                              sourceOf(contact.location)));
@@ -310,7 +312,7 @@ tf_status Simulation::Implementation::commit() {
         sensitivities_->isShareUnknown()
             ? "a motion that depends on how redundant contacts share their load within the friction of those that stick,"
             : "the step that ends");
-  if (isShareLost_ && time_ - begin > owner_.options.tolerance * std::max(1.0, std::abs(time_)))
+  if (isShareLost_ && time_ - begin > owner_.options.tolerance * std::max(1.0, time_ - progress_.begin))
     return failSensitivities("contacts that come to rest while others slide and the motion depends on how they share their load,");
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }

@@ -135,7 +135,7 @@ tf_status Simulation::Implementation::timeEvent() {
 }
 
 tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
-  constexpr double nearby = 1e-12;  // behind an event, in time
+  constexpr double nearby = 1e-12, ulps = 8;  // behind an event, in time: of some times the time scale, and of what times are resolved to
   if (!progress_.add(time_))
     return failWithoutProgress();
   bool stops = dynamics_.guards()[event.guard].kind == GuardKind::SlipAlong;
@@ -185,13 +185,25 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (guard.kind == GuardKind::Condition && switchesFaintly(guard.index))
     return failAt(switchesWithoutEnd(guard.index));
   if (guard.kind == GuardKind::Condition)
-    crossSwitch(event.guard, nearby * std::max(1.0, std::abs(time_)));
+    crossSwitch(event.guard,
+                std::max(nearby * std::min(1.0, 100 * timeScale()), ulps * std::numeric_limits<double>::epsilon() * std::abs(time_)));
   return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
+}
+
+// The time that has passed since the start, at least a second, at most what the state's fastest part takes, by rate_, for a change of its
+// own size.
+double Simulation::Implementation::timeScale() const {
+  const std::vector<double> &nominal = at_.scales.nominal();
+  double scale = std::max(1.0, time_ - progress_.begin);
+  for (int i = 0; i < at_.tauIndex(); ++i)
+    if (rate_[i] != 0)
+      scale = std::min(scale, std::max(nominal[i], std::abs(state_[i])) / std::abs(rate_[i]));
+  return scale;
 }
 
 // The state that (time_, state_), moving on along rate_, reaches within what the tolerance leaves open, into interpolated_; its time.
 double Simulation::Implementation::lookAhead() {
-  const double ahead = owner_.options.tolerance * std::max(1.0, std::abs(time_));
+  const double ahead = owner_.options.tolerance * timeScale();
   for (int i = 0; i < n_; ++i)
     interpolated_[i] = state_[i] + ahead * rate_[i];
   return time_ + ahead;
@@ -248,7 +260,7 @@ tf_status Simulation::Implementation::passSwitch(int guard, double limit) {
   beginEvent();
   if (const tf_status status = differentiateEvent(guard); status != TF_OK)
     return status;
-  time_ += crossSwitch(guard, 2 * owner_.options.tolerance * std::max(1.0, std::abs(time_)));
+  time_ += crossSwitch(guard, 2 * owner_.options.tolerance * timeScale());
   return changeMode(dynamics_.guards()[guard], -1, limit);
 }
 
@@ -341,7 +353,7 @@ bool Simulation::Implementation::penetrates(const Mode &mode) {
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps);
   for (int i = 0; i < model_.nc; ++i)
-    if (!mode.closed[i] && at_.gap[i] < -selection_.tolerances().gap * model_.contacts[i].nominal)
+    if (!mode.closed[i] && at_.gap[i] < -selection_.closedGap(i, state_.data()))
       return true;
   return false;
 }

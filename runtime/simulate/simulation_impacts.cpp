@@ -7,6 +7,19 @@
 
 namespace tf::runtime {
 
+// Of the velocities that these contacts' gap rates and slips are compared with the largest one.
+double Simulation::Implementation::velocityScale(const std::vector<int> &contacts) const {
+  const double *velocities = state_.data() + model_.nq;
+  double scale = 0;
+  for (const int i : contacts) {
+    const tf_contact &contact = model_.contacts[i];
+    scale = std::max(scale, at_.scales.gapRate(i, velocities, 1));
+    for (int row = contact.tangent_first; row < contact.tangent_first + contact.tangent_count; ++row)
+      scale = std::max(scale, at_.scales.slip(row, velocities, 1));
+  }
+  return scale;
+}
+
 // Without a forced contact the selection's lists of contacts are those at the state.
 tf_status Simulation::Implementation::freeze(std::vector<Transition> &transitions, int forced) {
   if (forced >= 0)
@@ -21,13 +34,13 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   const bool turns = std::any_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); });
   const bool shakes =
       contacts.size() > 1 && std::any_of(contacts.begin(), contacts.end(), [this](int i) { return at_.restitution[i] > 0; });
-  const double slow = shakes ? std::max(integrators_.current().settings().tolerance * velocityScale(), stopTolerance()) : stopTolerance();
+  const double part = shakes ? std::max(integrators_.current().settings().tolerance, stopTolerance()) : stopTolerance();
+  const double slow = part * velocityScale(contacts);
   std::vector<int> starters;
   if (forced >= 0) {
     starters.push_back(forced);
-    const double still = selection_.velocityTolerance(state_.data());
     std::copy_if(contacts.begin(), contacts.end(), std::back_inserter(starters),
-                 [&](int i) { return i != forced && std::abs(at_.gapRate[i]) <= still; });
+                 [&](int i) { return i != forced && std::abs(at_.gapRate[i]) <= selection_.stillRate(i, state_.data()); });
   }
   impact_.setElastic(forced >= 0 || std::any_of(approaching.begin(), approaching.end(), [&](int i) { return at_.gapRate[i] < -slow; }));
   closeTogether(contacts);
@@ -91,9 +104,8 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
   std::fill(touching.tangent.begin(), touching.tangent.end(), Tangent::None);
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps);
-  const double still = selection_.velocityTolerance(state_.data());
   for (const int i : contacts)
-    touching.closed[i] = at_.gapRate[i] <= still ? 1 : 0;
+    touching.closed[i] = at_.gapRate[i] <= selection_.stillRate(i, state_.data()) ? 1 : 0;
   std::vector<double> moved = state_;
   if (!std::isfinite(projectOnto(touching, time_, moved.data())))
     return;
@@ -112,17 +124,20 @@ tf_status Simulation::Implementation::stopFaint(const std::vector<int> &contacts
   constexpr double faint = 1e-3;
   if (contacts.size() < 2)
     return TF_OK;
-  const double still = selection_.velocityTolerance(state_.data());
-  const double slow = faint * integrators_.current().settings().tolerance * velocityScale();
-  std::transform(at_.slip.begin(), at_.slip.end(), mayStop_.begin(), [still](double slip) { return std::abs(slip) <= still; });
+  const double *state = state_.data();
+  const double slow = faint * integrators_.current().settings().tolerance * velocityScale(contacts);
+  for (int row = 0; row < model_.nt; ++row)
+    mayStop_[row] = std::abs(at_.slip[row]) <= selection_.stillSlip(row, state) ? 1 : 0;
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
-  const auto isFaint = [&](double velocity) { return std::abs(velocity) > still && std::abs(velocity) <= slow; };
   const auto stops = [&](int i) {
     const tf_contact &contact = model_.contacts[i];
-    bool any = isFaint(at_.gapRate[i]);
-    for (int row = contact.tangent_first; row < contact.tangent_first + contact.tangent_count && std::abs(at_.gapRate[i]) <= still; ++row)
-      any = any || (mayStop_[row] != 0 && isFaint(at_.slip[row]));
+    const double rate = std::abs(at_.gapRate[i]);
+    if (rate > selection_.stillRate(i, state))
+      return rate <= slow;
+    bool any = false;
+    for (int row = contact.tangent_first; row < contact.tangent_first + contact.tangent_count; ++row)
+      any = any || (mayStop_[row] != 0 && std::abs(at_.slip[row]) > selection_.stillSlip(row, state) && std::abs(at_.slip[row]) <= slow);
     return any;
   };
   return std::any_of(contacts.begin(), contacts.end(), stops) ? stopSlow(contacts, slow) : TF_OK;
@@ -133,10 +148,10 @@ tf_status Simulation::Implementation::stopFaint(const std::vector<int> &contacts
 // together, one of them would be pressed in or thrown up; and where they are wedged, what slides fast along the wedge would have to stop.
 bool Simulation::Implementation::acceptsStop(const std::vector<int> &contacts, const Mode &resting, const std::vector<double> &gapRates,
                                              const std::vector<double> &slips, double slow) {
-  const double still = selection_.velocityTolerance(state_.data()), largestChange = 10 * slow;
+  const double largestChange = 10 * slow;
   return std::all_of(contacts.begin(), contacts.end(), [&](int i) {
     const tf_contact &contact = model_.contacts[i];
-    const double rate = at_.gapRate[i];
+    const double rate = at_.gapRate[i], still = selection_.stillRate(i, state_.data());
     bool accepts = rate >= -still && (!resting.closed[i] || rate <= still) && std::abs(rate - gapRates[i]) <= largestChange;
     for (int row = contact.tangent_first; row < contact.tangent_first + contact.tangent_count; ++row)
       accepts = accepts && std::abs(at_.slip[row] - slips[row]) <= largestChange;
@@ -144,13 +159,12 @@ bool Simulation::Implementation::acceptsStop(const std::vector<int> &contacts, c
   });
 }
 
-// Gap rates and slips (in mayStop_) of these contacts that are not faster become zero, if they can together. After impacts that the
-// tolerance does not see those of two components do: they have no direction there that is more than an error, and would start one another
-// again and again.
+// Gap rates and slips (in mayStop_) of these contacts that are not faster become zero, if they can together. After impacts that
+// the tolerance does not see those of two components do: they have no direction there that is more than an error, and would start one
+// another again and again.
 tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts, double slow) {
   Mode &resting = restingMode_;
   resting = mode_;
-  const double still = selection_.velocityTolerance(state_.data());
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   for (const int i : contacts) {
@@ -159,12 +173,13 @@ tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts,
     const bool pair = sharesDisk(contact);
     for (int k = 0; k < (pair ? 2 : contact.tangent_count); ++k) {
       const int row = contact.tangent_first + k;
+      const double least = mayStop_[row] ? slow : selection_.stillSlip(row, state_.data());
       const double speed =
           pair ? std::hypot(at_.slip[contact.tangent_first], at_.slip[contact.tangent_first + 1]) : std::abs(at_.slip[row]);
-      resting.tangent[row] = !resting.closed[i]                        ? Tangent::None
-                             : speed <= (mayStop_[row] ? slow : still) ? Tangent::Stick
-                             : pair || at_.slip[row] > 0               ? Tangent::SlipPositive
-                                                                       : Tangent::SlipNegative;
+      resting.tangent[row] = !resting.closed[i]          ? Tangent::None
+                             : speed <= least            ? Tangent::Stick
+                             : pair || at_.slip[row] > 0 ? Tangent::SlipPositive
+                                                         : Tangent::SlipNegative;
     }
   }
   const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };

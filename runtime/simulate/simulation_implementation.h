@@ -133,6 +133,7 @@ private:
   tf_status failWithoutProgress();
   bool switchesFaintly(int j);
   double crossSwitch(int guard, double farthest);
+  [[nodiscard]] double timeScale() const;
   double lookAhead();
   int switchAhead();
   tf_status passSwitch(int guard, double limit);
@@ -149,6 +150,7 @@ private:
   tf_status timeEvent();
 
   // simulation_impacts.cpp
+  [[nodiscard]] double velocityScale(const std::vector<int> &contacts) const;
   tf_status freeze(std::vector<Transition> &transitions, int forced);
   double projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
@@ -159,7 +161,6 @@ private:
 
   // simulation_slips.cpp
   double stopTolerance();
-  double velocityScale();
   bool locateStop(DetectedEvent &event);
   double lingeringSpeed();
   int lingeringSlip();

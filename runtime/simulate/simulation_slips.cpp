@@ -6,19 +6,9 @@
 
 namespace tf::runtime {
 
-// Slips that are slower may be taken for zero: far within the tolerance of velocities.
+// Slips and gap rates below this part of their scale may be taken for zero: far within the tolerance of velocities.
 double Simulation::Implementation::stopTolerance() {
-  const double tolerance = integrators_.current().settings().tolerance;
-  return std::max(0.05 * tolerance * velocityScale(), 10 * selection_.velocityTolerance(state_.data()));
-}
-
-// The largest velocity or scale of one, at least 1.
-double Simulation::Implementation::velocityScale() {
-  const IntegratorSettings &settings = integrators_.current().settings();
-  double scale = 1;
-  for (int i = 0; i < model_.nv; ++i)
-    scale = std::max({scale, settings.scale[model_.nq + i], std::abs(state_[model_.nq + i])});
-  return scale;
+  return std::max(0.05 * integrators_.current().settings().tolerance, 10 * selection_.tolerances().velocity);
 }
 
 // The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
@@ -26,7 +16,7 @@ double Simulation::Implementation::velocityScale() {
 // singular at zero; friction that has the direction of the step's begin leaves a rest of the size of the turn, which is bounded here too.
 bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();
-  const double allowed = stopTolerance();
+  const double part = stopTolerance(), allowed = part * dynamics_.slipScale(event.guard);
   std::vector<double> &state = interpolated_;
   integrator.interpolate(event.time, state.data());
   at_.setPoint(event.time, state.data());
@@ -37,7 +27,7 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
     return false;
   const DetectedEvent detected = event;
   // Slips of one body end together: none of them has a direction there.
-  dynamics_.holdDirections(slow);
+  dynamics_.holdDirections(1e3 * part);
   if (detection_.locate(event) == EventDetection::Location::Found) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
@@ -59,8 +49,8 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
 }
 
-// The error of a velocity over a run may be this large.
-double Simulation::Implementation::lingeringSpeed() { return 10 * integrators_.current().settings().tolerance * velocityScale(); }
+// The error of a velocity over a run may be this part of its scale.
+double Simulation::Implementation::lingeringSpeed() { return 10 * integrators_.current().settings().tolerance; }
 
 // The guard of a slip of two components that for many steps has not been faster than the errors that the tolerance allows, −1: none. The
 // direction of one so slow is no more than an error, and steps of implicit methods have solutions in which it neither stops nor starts.
@@ -68,12 +58,13 @@ int Simulation::Implementation::lingeringSlip() {
   constexpr int most = 200;
   if (!dynamics_.hasTurningSlips())
     return -1;
-  const double slow = lingeringSpeed();
+  const double part = lingeringSpeed();
   const std::vector<Guard> &guards = dynamics_.guards();
   int found = -1;
   for (std::size_t k = 0; k < guards.size() && found < 0; ++k)
-    if (guards[k].kind == GuardKind::SlipAlong && dynamics_.slipSpeed(static_cast<int>(k)) <= slow)
-      found = static_cast<int>(k);
+    if (const int slip = static_cast<int>(k);
+        guards[k].kind == GuardKind::SlipAlong && dynamics_.slipSpeed(slip) <= part * dynamics_.slipScale(slip))
+      found = slip;
   lingeringSteps_ = found >= 0 ? lingeringSteps_ + 1 : 0;
   return lingeringSteps_ > most ? found : -1;
 }

@@ -217,5 +217,93 @@ TEST(SmallMagnitudes, AreThoseThatTheToleranceIsRelativeTo) {
     }
 }
 
+// A box that falls onto its corners, with restitution and friction: lengths, times and masses scale with its size, and so do the nominals.
+// Neither is a lever of a micrometre that turns fast a fast approach, nor an angle a gap of a metre.
+std::string boxOf(double size, const std::string &nominals) {
+  std::ostringstream number;
+  number.precision(17);
+  number << size;
+  std::string text = R"(model Box
+  parameter Real size = SIZE, speed = sqrt(size), m = size^3, h = 0.1*size, w = 0.2*size;
+  parameter Real sx[4] = {-1, 1, 1, -1}, sy[4] = {-1, -1, 1, 1};
+  coordinate Real x(start = 0, der(start = 0.5*speed)LENGTH);
+  coordinate Real y(start = size, der(start = 0)LENGTH);
+  coordinate Real phi(start = 0.3, der(start = speed/size)TURN);
+  body box(mass = m, position = {x, y}, angle = phi, inertia = m*(h^2 + w^2)/3);
+  gravity weight(acceleration = {0, -9.81});
+  Real cx[4] = {x + sx[i]*w*cos(phi) - sy[i]*h*sin(phi) for i in 1:4}, cy[4] = {y + sx[i]*w*sin(phi) + sy[i]*h*cos(phi) for i in 1:4};
+  contact floor[4](gap = cy, slip = der(cx), each friction = 0.3, each restitution = 0.45);
+end Box;
+)";
+  const auto replace = [&text](const std::string &from, const std::string &to) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size()))
+      text.replace(at, from.size(), to);
+  };
+  replace("SIZE", number.str());
+  replace("LENGTH", nominals == "none" ? "" : nominals == "lengths" ? ", nominal = size" : ", nominal = size, der(nominal = speed)");
+  replace("TURN", nominals == "all" ? ", der(nominal = speed/size)" : "");
+  return sourceFile("box.tf", text);
+}
+
+TEST(Scale, OfABoxChangesNothing) {
+  constexpr double duration = 2;
+  CompiledModel reference(boxOf(1, "all"));
+  reference.tolerance(1e-10).run(duration);
+  for (const double size : {1e-6, 1e-3, 1e3, 1e6})
+    for (const std::string nominals : {"all", "lengths"})
+      for (const double tolerance : {1e-4, 1e-6, 1e-8}) {
+        CompiledModel model(boxOf(size, nominals));
+        model.tolerance(tolerance).run(duration * std::sqrt(size));
+        const std::string at = nominals + ", " + std::to_string(std::log10(size)) + ", " + std::to_string(tolerance);
+        EXPECT_NEAR(model["x"] / size, reference["x"], 0.01 * tolerance) << at;
+        EXPECT_NEAR(model["y"] / size, reference["y"], 0.01 * tolerance) << at;
+        EXPECT_NEAR(model["phi"], reference["phi"], 0.1 * tolerance) << at;
+      }
+}
+
+// Which must be known at the start and with it: gaps that the angle alone moves, by its lever.
+TEST(Scale, OfAPendulumChangesNothing) {
+  const auto pendulum = [](const std::string &length) {
+    return sourceFile("pendulum.tf", "model Pendulum\n  parameter Real L = " + length + R"(;
+  coordinate Real phi(start = 0.7, der(nominal = 1/sqrt(L)));
+  body b(mass = 1, position = {L*sin(phi), -L*cos(phi)});
+  gravity weight(acceleration = {0, -9.81});
+  contact wall(gap = L*sin(phi) + 0.2*L, restitution = 0.6);
+end Pendulum;
+)");
+  };
+  CompiledModel reference(pendulum("1"));
+  reference.tolerance(1e-10).run(2);
+  for (const double tolerance : {1e-4, 1e-8}) {
+    CompiledModel model(pendulum("1e-6"));
+    model.tolerance(tolerance).run(2e-3);
+    EXPECT_NEAR(model["phi"], reference["phi"], 10 * tolerance);
+  }
+}
+
+// A body slides down a dome and leaves it where the contact force falls to zero, at a height of two thirds; however light it is, and
+// although a heavy one rests elsewhere.
+TEST(Scale, OfMassesChangesNothing) {
+  for (const double exponent : {-18.0, -9.0, -6.0, 0.0, 9.0, 18.0})
+    for (const bool isBesideHeavy : {false, true}) {
+      if (isBesideHeavy && std::abs(exponent) > 6)
+        continue;
+      CompiledModel model(sourceFile("dome.tf", "model Dome\n  parameter Real m = 10^(" + std::to_string(exponent) + R"();
+  coordinate Real p[2](start = {0.6, 0.8}, der(start = {0, 0}));
+  body b(mass = m, position = p);
+  gravity weight(acceleration = {0, -9.81});
+  contact dome(gap = sqrt(p*p) - 1);
+)" + (isBesideHeavy ? "  coordinate Real y(start = 0);\n  body block(mass = 1e3, position = {9, y});\n  contact floor(gap = y);\n" : "") +
+                                                    "end Dome;\n"));
+      model.tolerance(1e-8).run(1);
+      const std::string at = std::to_string(exponent) + (isBesideHeavy ? ", beside a block" : "");
+      ASSERT_EQ(model.count(TF_EVENT_OPENING), 1) << at;
+      const double opening = model.eventTime(TF_EVENT_OPENING);
+      model.initialise();
+      model.advance(opening);
+      EXPECT_NEAR(model["p[2]"], 1.6 / 3, 1e-7) << at;
+    }
+}
+
 }  // namespace
 }  // namespace tf::test

@@ -46,7 +46,8 @@ template <int timeFactor> struct Walls {
 
 template <int timeFactor> struct Screened {
   Walls<timeFactor> walls;
-  GapScreen screen{walls.tables.model()};
+  ContactScales scales{walls.tables.model()};
+  GapScreen screen{walls.tables.model(), scales};
   std::vector<double> gaps = std::vector<double>(16);
 
   void renew(double time, double x, double rate) {

@@ -1,0 +1,62 @@
+// What gaps, slips and residuals are compared with: the magnitudes of the coordinates and velocities that move them, by how far they do.
+#pragma once
+
+#include "runtime/abi/tf_model.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+class ContactScales {
+public:
+  static constexpr double several = 10;
+
+  explicit ContactScales(const tf_model &model);
+
+  // Nominal magnitudes of the state (q, v, z, tau): 1 where none is given.
+  [[nodiscard]] const std::vector<double> &nominal() const { return nominal_; }
+  // A change of the coordinates by their nominal magnitudes, in the velocities' kind [nv]: a rotation turns by a radian.
+  [[nodiscard]] const std::vector<double> &lengths() const { return lengths_; }
+
+  // Forgets all rows.
+  void start();
+  // Adds the rows at another point, of which the largest entries count: `normal` [nc × nv], `tangent` [nt × nv] as of
+  // tf_model::contact_terms, `constraint` [nh × nv] as of tf_model::constraint_terms.
+  void include(const double *normal, const double *tangent, const double *constraint);
+  // Rows are complete.
+  void finish();
+
+  // Of a gap: what the nominal magnitude of one of its coordinates moves it by at most. 1e-12 of it is more than the rounding errors of the
+  // gap at the coordinates q [nq].
+  [[nodiscard]] double gap(int contact, const double *q) const { return length(contact, q); }
+  // Of a gap's rate and of a tangential row's slip: what the nominal magnitude of one velocity contributes at most, larger as the fastest
+  // of the velocities v [nv] is beyond its own, up to `most` times what all of them contribute. Rounding errors of fast bodies reach those
+  // that touch them; the error of the row's own velocities does not exceed their sum (`most` 1).
+  [[nodiscard]] double gapRate(int contact, const double *v, double most = several) const { return speed(contact, v, most); }
+  [[nodiscard]] double slip(int row, const double *v, double most = several) const { return speed(model_->nc + row, v, most); }
+  // The same of a constraint's row and its rate.
+  [[nodiscard]] double residual(int row) const { return least_[model_->nc + model_->nt + row]; }
+  [[nodiscard]] double residualRate(int row, const double *v) const { return speed(model_->nc + model_->nt + row, v, several); }
+
+private:
+  // Of row `row`: velocity number `velocity` moves it by `size` of itself.
+  struct Lever {
+    int velocity;
+    double size;
+  };
+
+  void includeRow(int row, const double *entries);
+  // The largest velocity, in units of its nominal magnitude, at least 1.
+  [[nodiscard]] double fastest(const double *v) const;
+  [[nodiscard]] double length(int row, const double *q) const;
+  [[nodiscard]] double speed(int row, const double *v, double most) const;
+
+  const tf_model *model_;
+  std::vector<double> nominal_, lengths_;
+  std::vector<double> inverse_;             // nv: of nominal_
+  std::vector<int> coordinate_;             // nv: the coordinate whose rate it is, −1 of rotations
+  std::vector<std::vector<Lever>> levers_;  // nc + nt + nh
+  std::vector<double> least_;               // the same: what the coordinates' nominals move it by
+};
+
+}  // namespace tf::runtime
