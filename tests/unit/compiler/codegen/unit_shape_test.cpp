@@ -85,13 +85,14 @@ TEST_F(UnitShapeTest, TablesHaveAColumnForWhatDiffers) {
   EXPECT_EQ(tables.realRows, (std::vector{0.5, 1.5, 2.5, 3.5}));
   EXPECT_EQ(tables.second.column, -1);
   EXPECT_EQ(tables.second.offset, -1);
+  constexpr std::array nearby = {3, 2, 2, 1};
   for (int row = 0; row < 4; ++row) {
     const auto value = [&](const WholeSource &source) {
       return source.offset + (source.column < 0 ? 0 : tables.wholeRows[static_cast<std::size_t>(4 * row + source.column)]);
     };
     EXPECT_EQ(value(tables.group), row * row);
     EXPECT_EQ(value(tables.skips[0]), 4 - row);
-    EXPECT_EQ(value(tables.skips[1]), std::array{3, 2, 2, 1}[static_cast<std::size_t>(row)]);
+    EXPECT_EQ(value(tables.skips[1]), nearby[static_cast<std::size_t>(row)]);
     EXPECT_EQ(value(tables.wholes.back()), 2 * row + 3);
   }
 }
