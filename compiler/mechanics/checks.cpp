@@ -2,6 +2,7 @@
 #include "compiler/mechanics/derivation.h"
 
 #include "compiler/mechanics/diagnostics.h"
+#include "compiler/mechanics/slip_direction.h"
 #include "lang/semantics/predefined.h"
 
 #include <algorithm>
@@ -74,6 +75,21 @@ public:
       return false;
     }
     return !spec.isKinematic || isSmooth(*attribute.value, element, attribute);
+  }
+
+  bool checkBound(const FrictionEntry &friction) {
+    const int found = switchOnSlipDirection(d_.system, friction);
+    if (found < 0)
+      return true;
+    const Expr &bound = *d_.model.elements[static_cast<std::size_t>(friction.element)].find("bound")->value;
+    const Span condition = d_.system.switches[static_cast<std::size_t>(found)].span;
+    const bool isWritten = condition.file == bound.span.file && condition.begin >= bound.span.begin && condition.end <= bound.span.end;
+    d_.diagnostics
+        .report(diag::BoundBySlipDirection, isWritten ? condition : narrowest(bound, {SymbolKind::StepVariable, found}), friction.name)
+        .note(bound.span,
+              "give the mean of the bounds of both directions, and a 'force' of half of their difference that pushes where there "
+              "is less friction");
+    return false;
   }
 
 private:
@@ -217,6 +233,9 @@ bool checkElements(Derivation &derivation) {
     for (const flat::Attribute &attribute : element.attributes)
       if (const AttributeSpec *spec = classOf(element).attribute(attribute.name); spec != nullptr)
         isFine = checks.check(element, attribute, *spec) && isFine;
+  for (const FrictionEntry &friction : derivation.elements.frictions)
+    if (isFine)
+      isFine = checks.checkBound(friction);
   return checkGravity(derivation) && isFine;
 }
 
