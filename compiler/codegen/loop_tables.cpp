@@ -44,6 +44,7 @@ class RealColumns {
 public:
   RealSource add(const std::vector<double> &column) {
     std::vector<std::uint64_t> bits;
+    bits.reserve(column.size());
     for (const double value : column)
       bits.push_back(std::bit_cast<std::uint64_t>(value));
     if (std::ranges::all_of(bits, [&bits](std::uint64_t value) { return value == bits.front(); }))
@@ -95,6 +96,7 @@ LoopTables tabulate(std::span<const Unit> units, const ir::Graph &graph, const S
                     const std::function<int(ir::NodeId)> &slotOf) {
   const std::size_t rows = units.size();
   std::vector<UnitShape> shapes;
+  shapes.reserve(rows);
   for (std::size_t row = 0; row < rows; ++row) {
     shapes.push_back(shapeOf(units[row], graph, context));
     assert(shapes[row].code == shapes.front().code);
@@ -105,6 +107,7 @@ LoopTables tabulate(std::span<const Unit> units, const ir::Graph &graph, const S
   RealColumns reals;
   const auto whole = [&](const auto &valueOf) {
     std::vector<std::int64_t> column;
+    column.reserve(rows);
     for (std::size_t row = 0; row < rows; ++row)
       column.push_back(valueOf(row));
     return wholes.add(std::move(column));
@@ -121,6 +124,7 @@ LoopTables tabulate(std::span<const Unit> units, const ir::Graph &graph, const S
     if (!isConstant)
       continue;
     std::vector<double> column;
+    column.reserve(rows);
     for (std::size_t row = 0; row < rows; ++row)
       column.push_back(graph[shapes[row].places[k].node].value);
     tables.reals.back() = reals.add(column);

@@ -64,7 +64,7 @@ public:
   void clear(int buffer, int position, int length, int group) { function_.clears.push_back({buffer, position, length, group}); }
 
   // Rows of equal length at `buffer` that a sweep computes, row k in group(k).
-  template <class Group> static void addRows(std::vector<ir::MatrixRow> &rows, int buffer, int count, int length, Group group) {
+  template <class Group> static void addRows(std::vector<ir::MatrixRow> &rows, int buffer, int count, int length, const Group &group) {
     for (int k = 0; k < count; ++k)
       rows.push_back({buffer, k * length, group(static_cast<std::size_t>(k))});
   }
@@ -179,7 +179,7 @@ private:
   template <class Group> void jacobianBuffer(FunctionBuilder &builder, const std::vector<NodeId> &nodes, Group group) {
     storeJacobian(builder, builder.emptyBuffer(static_cast<int>(nodes.size() * x_.size())), nodes, group);
   }
-  template <class Group> void storeJacobian(FunctionBuilder &builder, int buffer, const std::vector<NodeId> &nodes, Group group) {
+  template <class Group> void storeJacobian(FunctionBuilder &builder, int buffer, const std::vector<NodeId> &nodes, const Group &group) {
     const std::vector<NodeId> matrix = ir::jacobian(graph_, nodes, x_);
     for (std::size_t i = 0; i < nodes.size(); ++i)
       builder.storeRow(buffer, static_cast<int>(i), std::span(matrix).subspan(i * x_.size(), x_.size()), group(i), graph_.constant(0));

@@ -158,23 +158,23 @@ bool RestPrediction::addReachable(double time, const double *state, const RestPo
 // Contacts that cannot close within `span` of either end, at the velocities there, fall asleep in reach_.
 void RestPrediction::coverReach(double time, const double *state, const RestPoint &end, double span) {
   const int nq = at_.model().nq;
-  std::vector<double> low(state, state + nq), high = low, coordinateRate(nq);
+  std::vector<double> least(state, state + nq), most = least, coordinateRate(nq);
   for (const bool isEnd : {false, true}) {
     const double *q = isEnd ? end.state.data() : state;
     at_.setPoint(isEnd ? end.time : time, q);
     at_.kinematics(coordinateRate.data());
     for (int k = 0; k < nq; ++k) {
       const double reach = span * std::abs(coordinateRate[k]);
-      low[k] = std::min(low[k], q[k] - reach);
-      high[k] = std::max(high[k], q[k] + reach);
+      least[k] = std::min(least[k], q[k] - reach);
+      most[k] = std::max(most[k], q[k] + reach);
     }
   }
-  low.push_back(time);
-  high.push_back(time + span);
-  std::vector<double> center(low), radius(low);
-  for (std::size_t k = 0; k < low.size(); ++k) {
-    center[k] = 0.5 * (low[k] + high[k]);
-    radius[k] = 0.5 * (high[k] - low[k]);
+  least.push_back(time);
+  most.push_back(time + span);
+  std::vector<double> center(least), radius(least);
+  for (std::size_t k = 0; k < least.size(); ++k) {
+    center[k] = 0.5 * (least[k] + most[k]);
+    radius[k] = 0.5 * (most[k] - least[k]);
   }
   at_.cover(reach_, center.data(), radius.data());
 }
