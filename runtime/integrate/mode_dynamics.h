@@ -266,7 +266,6 @@ private:
   [[nodiscard]] double readRate(const Guard &guard) const;
   void evaluateGuards();
   void buildGuards();
-  void buildGapGuards();
   void scaleForces();
   [[nodiscard]] int ownerOf(int row) const;
   [[nodiscard]] bool varies(const Guard &guard) const;
@@ -302,7 +301,6 @@ private:
   std::vector<std::uint8_t> mask_, slidingMask_;
   std::vector<int> sliding_;
   std::vector<Guard> guards_;
-  std::vector<std::uint8_t> guardedClosed_;  // closed contacts of the mode that guards_ begins with the gaps of
   int gapGuardCount_ = 0;
   bool guardsVary_ = false;
   std::vector<double> leastMargins_, leastMarginTimes_, largestMargins_;  // of forces_

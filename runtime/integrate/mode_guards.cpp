@@ -69,7 +69,11 @@ void ModeDynamics::buildGuards() {
   leastMargins_.assign(rows_.count() > 0 ? forces_.margins().size() : 0, -std::numeric_limits<double>::infinity());
   leastMarginTimes_.assign(leastMargins_.size(), 0);
   largestMargins_.assign(leastMargins_.size(), std::numeric_limits<double>::infinity());
-  buildGapGuards();
+  guards_.clear();
+  for (int i = 0; i < model.nc; ++i)
+    if (!mode_.closed[i])
+      guards_.push_back({GuardKind::Gap, i, 1, at_.scales.gap(i, at_.coordinates())});
+  gapGuardCount_ = static_cast<int>(guards_.size());
   if (rows_.count() > 0)
     scaleForces();
   for (std::size_t k = 0; k < leastMargins_.size(); ++k) {
@@ -94,19 +98,6 @@ void ModeDynamics::buildGuards() {
     guards_[k].varies = varies(guards_[k]);
     guardsVary_ = guardsVary_ || guards_[k].varies;
   }
-}
-
-// Those of a mode with the same closed contacts stay.
-void ModeDynamics::buildGapGuards() {
-  if (guardedClosed_ != mode_.closed) {
-    guardedClosed_ = mode_.closed;
-    guards_.clear();
-    for (int i = 0; i < at_.model().nc; ++i)
-      if (!mode_.closed[i])
-        guards_.push_back({GuardKind::Gap, i, 1, at_.scales.gap(i, at_.coordinates())});
-    gapGuardCount_ = static_cast<int>(guards_.size());
-  }
-  guards_.resize(gapGuardCount_);
 }
 
 bool ModeDynamics::varies(const Guard &guard) const {
