@@ -215,11 +215,13 @@ private:
   std::map<int, llvm::Value *> positions_, lengths_;
 };
 
-// A unit of a split plan as a function of its own.
+// A unit of a split plan as a function of its own; those of a repetition (`tables` is not null) as one function of a row of its tables.
 llvm::Function *emitPiece(const ir::Function &function, const ir::Graph &graph, const CodePlan &plan, std::size_t index,
-                          llvm::Module &module) {
+                          const LoopTables *tables, llvm::Module &module) {
   const Unit &unit = plan.units[index];
-  llvm::SmallVector<llvm::StringRef, 4> arguments{"in", "out", "slots"};
+  llvm::SmallVector<llvm::StringRef, 6> arguments{"in", "out", "slots"};
+  if (tables != nullptr)
+    arguments.append({"wholes", "reals"});
   if (unit.isSwept)
     arguments.push_back("frame");
   llvm::Function *piece = createFunction(module, function.name + "." + llvm::Twine(index), arguments);
@@ -227,26 +229,9 @@ llvm::Function *emitPiece(const ir::Function &function, const ir::Graph &graph, 
   UnitEmitter emitter(graph, plan, piece);
   emitter.setSlots(piece->getArg(2));
   if (unit.isSwept)
-    emitter.setFrame(piece->getArg(3), *function.sweep);
-  emitter.emit(unit);
-  emitter.builder().CreateRetVoid();
-  return piece;
-}
-
-// The units of a repetition as one function of a row of its tables.
-llvm::Function *emitRepeated(const ir::Function &function, const ir::Graph &graph, const CodePlan &plan, std::size_t index,
-                             const LoopTables &tables, llvm::Module &module) {
-  const Unit &unit = plan.units[index];
-  llvm::SmallVector<llvm::StringRef, 6> arguments{"in", "out", "slots", "wholes", "reals"};
-  if (unit.isSwept)
-    arguments.push_back("frame");
-  llvm::Function *piece = createFunction(module, function.name + "." + llvm::Twine(index), arguments);
-  piece->addFnAttr(llvm::Attribute::NoInline);
-  UnitEmitter emitter(graph, plan, piece);
-  emitter.setSlots(piece->getArg(2));
-  if (unit.isSwept)
-    emitter.setFrame(piece->getArg(5), *function.sweep);
-  emitter.setRow(tables, piece->getArg(3), piece->getArg(4));
+    emitter.setFrame(piece->getArg(static_cast<unsigned>(arguments.size()) - 1), *function.sweep);
+  if (tables != nullptr)
+    emitter.setRow(*tables, piece->getArg(3), piece->getArg(4));
   emitter.emit(unit);
   emitter.builder().CreateRetVoid();
   return piece;
@@ -346,7 +331,7 @@ private:
     const auto index = static_cast<std::size_t>(repetition.first);
     const Unit &unit = plan_.units[index];
     const LoopTables &tables = repetition.tables;
-    llvm::Function *piece = emitRepeated(function_, graph_, plan_, index, tables, module_);
+    llvm::Function *piece = emitPiece(function_, graph_, plan_, index, &tables, module_);
     const std::string name = function_.name + "." + std::to_string(index);
     llvm::Constant *wholes = constantTable(module_, name + ".wholes", llvm::ArrayRef<std::int32_t>(tables.wholeRows));
     llvm::Constant *reals = constantTable(module_, name + ".reals", llvm::ArrayRef<double>(tables.realRows));
@@ -432,7 +417,7 @@ private:
     llvm::SmallVector<llvm::Value *, 4> arguments{target_->getArg(0), target_->getArg(1), slots_};
     if (unit.isSwept)
       arguments.push_back(frame_);
-    builder_.CreateCall(emitPiece(function_, graph_, plan_, index, module_), arguments);
+    builder_.CreateCall(emitPiece(function_, graph_, plan_, index, nullptr, module_), arguments);
   }
 
   const ir::Function &function_;

@@ -59,16 +59,26 @@ end Generated;
                      size);
 }
 
-// Spheres any two of which may touch, with slips of two components between them: each contact moves the twelve velocities of two bodies.
-std::string roughSpheres(int size) {
+// All pairs of the numbers 1 … size, as lists of the first and of the second ones.
+struct Pairs {
   std::string first, second;
-  int pairs = 0;
+  int count = 0;
+};
+
+Pairs pairsOf(int size) {
+  Pairs pairs;
   for (int i = 1; i <= size; ++i) {
-    for (int j = i + 1; j <= size; ++j, ++pairs) {
-      first += fmt::format("{}{}", pairs == 0 ? "" : ", ", i);
-      second += fmt::format("{}{}", pairs == 0 ? "" : ", ", j);
+    for (int j = i + 1; j <= size; ++j, ++pairs.count) {
+      pairs.first += fmt::format("{}{}", pairs.count == 0 ? "" : ", ", i);
+      pairs.second += fmt::format("{}{}", pairs.count == 0 ? "" : ", ", j);
     }
   }
+  return pairs;
+}
+
+// Spheres any two of which may touch, with slips of two components between them: each contact moves the twelve velocities of two bodies.
+std::string roughSpheres(int size) {
+  const auto [first, second, pairs] = pairsOf(size);
   return fmt::format(R"(model Generated
   parameter Real m = 0.5, r = 0.05, mu = 0.3;
   parameter Integer a[{1}] = {{{2}}}, b[{1}] = {{{3}}};
@@ -90,14 +100,7 @@ end Generated;
 
 // Discs any two of which may touch, with floor and walls: all contacts of a kind are alike.
 std::string discs(int size) {
-  std::string first, second;
-  int pairs = 0;
-  for (int i = 1; i <= size; ++i) {
-    for (int j = i + 1; j <= size; ++j, ++pairs) {
-      first += fmt::format("{}{}", pairs == 0 ? "" : ", ", i);
-      second += fmt::format("{}{}", pairs == 0 ? "" : ", ", j);
-    }
-  }
+  const auto [first, second, pairs] = pairsOf(size);
   return fmt::format(R"(model Generated
   parameter Real R = 0.1, mu = 0.3, e = 0.2, W = 0.8;
   parameter Integer a[{1}] = {{{2}}}, b[{1}] = {{{3}}};
