@@ -233,9 +233,11 @@ bool checkElements(Derivation &derivation) {
     for (const flat::Attribute &attribute : element.attributes)
       if (const AttributeSpec *spec = classOf(element).attribute(attribute.name); spec != nullptr)
         isFine = checks.check(element, attribute, *spec) && isFine;
+  // Bounds are evaluated, for which all elements must be sound.
+  const bool areEvaluable = isFine;
   for (const FrictionEntry &friction : derivation.elements.frictions)
-    if (isFine)
-      isFine = checks.checkBound(friction);
+    if (areEvaluable)
+      isFine = checks.checkBound(friction) && isFine;
   return checkGravity(derivation) && isFine;
 }
 

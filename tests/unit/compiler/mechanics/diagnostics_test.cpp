@@ -48,7 +48,8 @@ INSTANTIATE_TEST_SUITE_P(Derivation, PageOfKind,
                                            &me::SingularMass, &me::NotSmooth, &me::SlipNotAffine, &me::ForbiddenDependency,
                                            &me::GravityDimension, &me::ImmovableGap, &me::ImmovableSlip, &me::ImmovableForce,
                                            &me::VaryingLaw, &me::UncheckedAssertion, &me::ImmovableConstraint, &me::ConstraintNotAffine,
-                                           &me::InertiaNotSymmetric, &me::InertiaNotPositive, &me::ZeroRotation),
+                                           &me::InertiaNotSymmetric, &me::InertiaNotPositive, &me::ZeroRotation,
+                                           &me::BoundBySlipDirection),
                          [](const auto &kind) { return std::string(kind.param->name); });
 
 TEST(DerivationDiagnostics, AllKindsButThoseTestedByHandHaveExamples) {
@@ -94,6 +95,40 @@ end M;
 TEST(DerivationDiagnostics, NoCascades) {
   const DerivedModel model("model M\n  Real a = b;\n  Real b = cos(c);\n  Real c = sin(b);\n  Real d = a + c;\nend M;\n");
   EXPECT_EQ(model.outcome.positions(), (std::vector<std::string>{"TF0503 at 3:12"}));
+}
+
+// Directly, by a variable of the bound, or by a sign.
+TEST(BoundsOfFriction, DoNotDependOnTheDirectionOfTheirSlip) {
+  const DerivedModel model(R"(
+model M
+  coordinate Real x;
+  parameter Real belt = 0.3;
+  Real slip = 2*(belt - der(x)), rough;
+  body block(mass = 1, position = x);
+  friction dry(slip = der(x), bound = if der(x) > 0 then 1 else 2);
+  friction moved(slip = der(x) - belt, bound = rough);
+equation
+  rough = 2 + sign(slip);
+end M;
+)");
+  EXPECT_EQ(model.outcome.positions(), (std::vector<std::string>{"TF0619 at 7:42", "TF0619 at 8:48"}));
+}
+
+TEST(BoundsOfFriction, DependOnVelocities) {
+  const DerivedModel model(R"(
+model M
+  coordinate Real x, y;
+  body a(mass = 1, position = x);
+  body b(mass = 1, position = y);
+  friction peaked(slip = der(x), bound = 1 + 2*exp(-(der(x)/0.1)^2));
+  friction even(slip = der(x), bound = 1 + abs(der(x)));
+  friction growing(slip = der(x), bound = if der(x) > 0 then 1 + der(x) else 1);
+  friction other(slip = der(x), bound = if der(y) > 0 then 1 else 2);
+  friction belt(slip = der(x) - 1, bound = if der(x) > 0 then 1 else 2);
+  friction fast(slip = der(x), bound = if der(x) > 1 then 1 else 2);
+end M;
+)");
+  TF_ASSERT_DERIVED(model);
 }
 
 }  // namespace
