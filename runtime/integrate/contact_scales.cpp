@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace tf::runtime {
 
 ContactScales::ContactScales(const tf_model &model)
     : model_(&model), nominal_(static_cast<std::size_t>(model.nq) + model.nv + model.nz + 1, 1.0), lengths_(model.nv, 1.0),
-      levers_(static_cast<std::size_t>(model.nc) + model.nt + model.nh), least_(levers_.size()) {
+      rows_(static_cast<std::size_t>(model.nc) + model.nt + model.nh) {
+  sizes_.resize(rows_.size() * model.nv);
   for (int k = 0; k < model.variable_count; ++k) {
     const tf_variable &variable = model.variables[k];
     const int first = variable.kind == TF_KIND_COORDINATE ? 0
@@ -24,55 +26,50 @@ ContactScales::ContactScales(const tf_model &model)
     i += isRotation ? 3 : 0;
   }
   for (int k = 0; k < model.nv; ++k) {
-    inverse_.push_back(1 / nominal_[static_cast<std::size_t>(model.nq) + k]);
+    const double nominal = nominal_[static_cast<std::size_t>(model.nq) + k];
+    inverse_.push_back(1 / nominal);
+    largestNominal_ = std::max(largestNominal_, nominal);
     if (coordinate_[k] >= 0)
       lengths_[k] = nominal_[coordinate_[k]];
   }
   finish();
 }
 
-void ContactScales::start() {
-  for (std::vector<Lever> &row : levers_)
-    row.clear();
-}
+void ContactScales::start() { std::fill(sizes_.begin(), sizes_.end(), 0.0); }
 
 void ContactScales::include(const double *normal, const double *tangent, const double *constraint) {
-  const std::ptrdiff_t nv = model_->nv;
-  for (int i = 0; i < model_->nc; ++i)
-    includeRow(i, normal + i * nv);
-  for (int j = 0; j < model_->nt; ++j)
-    includeRow(model_->nc + j, tangent + j * nv);
-  for (int h = 0; h < model_->nh; ++h)
-    includeRow(model_->nc + model_->nt + h, constraint + h * nv);
+  includeRows(0, model_->nc, normal);
+  includeRows(model_->nc, model_->nt, tangent);
+  includeRows(model_->nc + model_->nt, model_->nh, constraint);
 }
 
-// Levers of a row are in the order of the velocities.
-void ContactScales::includeRow(int row, const double *entries) {
-  std::vector<Lever> &levers = levers_[row];
-  std::size_t place = 0;
-  for (int k = 0; k < model_->nv; ++k) {
-    while (place < levers.size() && levers[place].velocity < k)
-      ++place;
+void ContactScales::includeRows(int first, int count, const double *entries) {
+  const std::ptrdiff_t nv = model_->nv;
+  double *sizes = sizes_.data() + first * nv;
+  for (std::ptrdiff_t k = 0; k < count * nv; ++k) {
     const double size = std::abs(entries[k]);
-    if (!(size > 0) || !std::isfinite(size))
-      continue;
-    if (place < levers.size() && levers[place].velocity == k)
-      levers[place].size = std::max(levers[place].size, size);
-    else
-      levers.insert(levers.begin() + static_cast<std::ptrdiff_t>(place), {k, size});
+    sizes[k] = size > sizes[k] && size <= std::numeric_limits<double>::max() ? size : sizes[k];
   }
 }
 
 // Rows that nothing has moved at the points included have the nominal magnitude of the coordinates that they depend on.
 void ContactScales::finish() {
-  for (std::size_t row = 0; row < levers_.size(); ++row) {
-    least_[row] = 0;
-    for (const Lever &lever : levers_[row])
-      least_[row] = std::max(least_[row], lever.size * lengths_[lever.velocity]);
+  levers_.clear();
+  const double *size = sizes_.data(), *nominal = nominal_.data() + model_->nq;
+  for (Row &row : rows_) {
+    row = {static_cast<int>(levers_.size()), 0, 0, 0};
+    for (int k = 0; k < model_->nv; ++k, ++size) {
+      if (!(*size > 0))
+        continue;
+      levers_.push_back({k, *size});
+      row.length = std::max(row.length, *size * lengths_[k]);
+      row.speed = std::max(row.speed, *size * nominal[k]);
+    }
+    row.count = static_cast<int>(levers_.size()) - row.first;
   }
-  const auto fill = [this](int row, double nominal) {
-    if (!(least_[row] > 0))
-      least_[row] = nominal > 0 ? nominal : 1;
+  const auto fill = [this](int row, double given) {
+    if (double &length = rows_[row].length; !(length > 0))
+      length = given > 0 ? given : 1;
   };
   for (int i = 0; i < model_->nc; ++i)
     fill(i, model_->contacts[i].nominal);
@@ -81,39 +78,47 @@ void ContactScales::finish() {
       fill(model_->nc + model_->nt + h, model_->constraints[k].nominal);
 }
 
-double ContactScales::length(int row, const double *q) const {
+double ContactScales::length(int index, const double *q) const {
   // Sums of coordinates are off by a few rounding errors of the largest one.
   constexpr double resolved = 2e-3;
+  const Row &row = rows_[index];
   double largest = 0;
-  for (const Lever &lever : levers_[row])
-    if (const int i = coordinate_[lever.velocity]; i >= 0)
-      largest = std::max(largest, lever.size * std::abs(q[i]));
-  return std::max(least_[row], resolved * largest);
+  for (const Lever *lever = levers_.data() + row.first, *end = lever + row.count; lever != end; ++lever)
+    if (const int i = coordinate_[lever->velocity]; i >= 0)
+      largest = std::max(largest, lever->size * std::abs(q[i]));
+  return std::max(row.length, resolved * largest);
 }
 
-// Several maxima: one would be waited for.
 double ContactScales::fastest(const double *v) const {
   constexpr int chunk = 8;
-  double parts[chunk] = {1};
+  double largest = 1;
   int k = 0;
-  for (; k + chunk <= model_->nv; k += chunk)
-    for (int j = 0; j < chunk; ++j)
-      parts[j] = std::max(parts[j], std::abs(v[k + j]) * inverse_[k + j]);
+  // Several maxima: one would be waited for.
+  if (model_->nv >= chunk) {
+    double parts[chunk] = {1};
+    for (; k + chunk <= model_->nv; k += chunk)
+      for (int j = 0; j < chunk; ++j)
+        parts[j] = std::max(parts[j], std::abs(v[k + j]) * inverse_[k + j]);
+    largest = *std::max_element(parts, parts + chunk);
+  }
   for (; k < model_->nv; ++k)
-    parts[0] = std::max(parts[0], std::abs(v[k]) * inverse_[k]);
-  return *std::max_element(parts, parts + chunk);
+    largest = std::max(largest, std::abs(v[k]) * inverse_[k]);
+  return largest;
 }
 
-double ContactScales::speed(int row, const double *v, double most) const {
+double ContactScales::speed(int index, const double *v, double most) const {
+  const Row &row = rows_[index];
+  const double fastest = this->fastest(v);
+  if (!(row.speed > 0))
+    return model_->nv > 0 ? largestNominal_ * fastest : 1;
+  // The sum is not less than its largest part.
+  if (fastest == 1)
+    return row.speed;
   const double *nominal = nominal_.data() + model_->nq;
-  double own = 0, sum = 0;
-  for (const Lever &lever : levers_[row]) {
-    own = std::max(own, lever.size * nominal[lever.velocity]);
-    sum += lever.size * std::max(nominal[lever.velocity], std::abs(v[lever.velocity]));
-  }
-  if (own > 0)
-    return std::min(own * fastest(v), most * sum);
-  return model_->nv > 0 ? *std::max_element(nominal, nominal + model_->nv) * fastest(v) : 1;
+  double sum = 0;
+  for (const Lever *lever = levers_.data() + row.first, *end = lever + row.count; lever != end; ++lever)
+    sum += lever->size * std::max(nominal[lever->velocity], std::abs(v[lever->velocity]));
+  return std::min(row.speed * fastest, most * sum);
 }
 
 }  // namespace tf::runtime

@@ -35,28 +35,36 @@ public:
   [[nodiscard]] double gapRate(int contact, const double *v, double most = several) const { return speed(contact, v, most); }
   [[nodiscard]] double slip(int row, const double *v, double most = several) const { return speed(model_->nc + row, v, most); }
   // The same of a constraint's row and its rate.
-  [[nodiscard]] double residual(int row) const { return least_[model_->nc + model_->nt + row]; }
+  [[nodiscard]] double residual(int row) const { return rows_[model_->nc + model_->nt + row].length; }
   [[nodiscard]] double residualRate(int row, const double *v) const { return speed(model_->nc + model_->nt + row, v, several); }
 
 private:
-  // Of row `row`: velocity number `velocity` moves it by `size` of itself.
+  // Of a row: velocity number `velocity` moves it by `size` of itself.
   struct Lever {
     int velocity;
     double size;
   };
+  struct Row {
+    int first = 0, count = 0;  // of its levers
+    double length = 1;         // what the coordinates' nominals move it by at most
+    double speed = 0;          // the same of the velocities'
+  };
 
-  void includeRow(int row, const double *entries);
+  // Of rows `first` to `first` + `count` − 1: their entries [count × nv].
+  void includeRows(int first, int count, const double *entries);
   // The largest velocity, in units of its nominal magnitude, at least 1.
   [[nodiscard]] double fastest(const double *v) const;
-  [[nodiscard]] double length(int row, const double *q) const;
-  [[nodiscard]] double speed(int row, const double *v, double most) const;
+  [[nodiscard]] double length(int index, const double *q) const;
+  [[nodiscard]] double speed(int index, const double *v, double most) const;
 
   const tf_model *model_;
   std::vector<double> nominal_, lengths_;
-  std::vector<double> inverse_;             // nv: of nominal_
-  std::vector<int> coordinate_;             // nv: the coordinate whose rate it is, −1 of rotations
-  std::vector<std::vector<Lever>> levers_;  // nc + nt + nh
-  std::vector<double> least_;               // the same: what the coordinates' nominals move it by
+  std::vector<double> inverse_;  // nv: of nominal_
+  std::vector<int> coordinate_;  // nv: the coordinate whose rate it is, −1 of rotations
+  double largestNominal_ = 0;    // of the velocities
+  std::vector<double> sizes_;    // [nc + nt + nh] × nv: of the rows' entries
+  std::vector<Row> rows_;        // nc + nt + nh
+  std::vector<Lever> levers_;
 };
 
 }  // namespace tf::runtime

@@ -34,6 +34,7 @@ GapScreen::GapScreen(const tf_model &model, const ContactScales &scales) : model
   radius_.resize(boxes);
   bound_.resize(model.nc);
   ratio_.resize(model.nc);
+  clearance_.resize(model.nc);
   isNear_.assign(model.nc, 1);
   held_.assign(model.nc, 0);
 }
@@ -85,15 +86,11 @@ bool GapScreen::isSelective() const {
   return few * count <= model_->nc;
 }
 
-double GapScreen::margin(int contact, double gap) const {
-  return touching * scales_->gap(contact, center_.data()) + rounding * std::abs(gap);
-}
-
 // Bounds are about proportional to the size of the box. What is not a number is near.
-int GapScreen::countNear(const double *gap, double share) const {
+int GapScreen::countNear(double share) const {
   int count = 0;
   for (int i = 0; i < model_->nc; ++i)
-    count += gap[i] - margin(i, gap[i]) > share * bound_[i] ? 0 : 1;
+    count += clearance_[i] > share * bound_[i] ? 0 : 1;
   return count;
 }
 
@@ -151,10 +148,12 @@ void GapScreen::renew(const double *const *in, const double *rate, double *gap, 
   }
   reads_ = 0;
   isBalanced_ = hasSpan_;
+  for (int i = 0; i < nc; ++i) {
+    clearance_[i] = gap[i] - (touching * scales_->gap(i, center_.data()) + rounding * std::abs(gap[i]));
+    isNear_[i] = clearance_[i] > bound_[i] ? 0 : 1;
+  }
   for (std::size_t k = 0; isBalanced_ && k < shares.size(); ++k)
-    near_[k] = countNear(gap, shares[k]);
-  for (int i = 0; i < nc; ++i)
-    isNear_[i] = gap[i] - margin(i, gap[i]) > bound_[i] ? 0 : 1;
+    near_[k] = countNear(shares[k]);
   isValid_ = true;
   merge();
 }

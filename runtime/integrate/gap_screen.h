@@ -46,8 +46,7 @@ public:
 private:
   void balance();
   void evaluate(const double *const *in, double *gap, const double *least);
-  [[nodiscard]] int countNear(const double *gap, double share) const;
-  [[nodiscard]] double margin(int contact, double gap) const;
+  [[nodiscard]] int countNear(double share) const;
   void merge();
 
   const tf_model *model_;
@@ -58,6 +57,7 @@ private:
   std::vector<double> speed_;            // nq: of the coordinates, lately
   std::vector<double> center_, radius_;  // nq + 1
   std::vector<double> bound_, ratio_;    // nc
+  std::vector<double> clearance_;        // nc: the gaps at the centre, less what may be an error or a touch
   std::vector<std::uint8_t> isNear_, held_, awake_;
   long long revision_ = 0, reads_ = 0;
   // Contacts that would be awake in boxes of these shares of the size; known where it has been chosen.

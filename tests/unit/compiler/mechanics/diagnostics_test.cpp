@@ -48,8 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Derivation, PageOfKind,
                                            &me::SingularMass, &me::NotSmooth, &me::SlipNotAffine, &me::ForbiddenDependency,
                                            &me::GravityDimension, &me::ImmovableGap, &me::ImmovableSlip, &me::ImmovableForce,
                                            &me::VaryingLaw, &me::UncheckedAssertion, &me::ImmovableConstraint, &me::ConstraintNotAffine,
-                                           &me::InertiaNotSymmetric, &me::InertiaNotPositive, &me::ZeroRotation,
-                                           &me::BoundBySlipDirection),
+                                           &me::InertiaNotSymmetric, &me::InertiaNotPositive, &me::ZeroRotation, &me::BoundBySlipDirection),
                          [](const auto &kind) { return std::string(kind.param->name); });
 
 TEST(DerivationDiagnostics, AllKindsButThoseTestedByHandHaveExamples) {
