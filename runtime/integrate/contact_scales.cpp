@@ -54,18 +54,20 @@ void ContactScales::includeRows(int first, int count, const double *entries) {
 
 // Rows that nothing has moved at the points included have the nominal magnitude of the coordinates that they depend on.
 void ContactScales::finish() {
-  levers_.clear();
+  levers_.resize(sizes_.size() - std::count(sizes_.begin(), sizes_.end(), 0.0));
   const double *size = sizes_.data(), *nominal = nominal_.data() + model_->nq;
+  int count = 0;
   for (Row &row : rows_) {
-    row = {static_cast<int>(levers_.size()), 0, 0, 0};
+    row = {count, 0, 0, 0, 0};
     for (int k = 0; k < model_->nv; ++k, ++size) {
       if (!(*size > 0))
         continue;
-      levers_.push_back({k, *size});
+      levers_[count++] = {k, *size};
       row.length = std::max(row.length, *size * lengths_[k]);
       row.speed = std::max(row.speed, *size * nominal[k]);
+      row.lever = std::max(row.lever, coordinate_[k] >= 0 ? *size : 0);
     }
-    row.count = static_cast<int>(levers_.size()) - row.first;
+    row.count = count - row.first;
   }
   const auto fill = [this](int row, double given) {
     if (double &length = rows_[row].length; !(length > 0))
@@ -79,14 +81,19 @@ void ContactScales::finish() {
 }
 
 double ContactScales::length(int index, const double *q) const {
-  // Sums of coordinates are off by a few rounding errors of the largest one.
-  constexpr double resolved = 2e-3;
   const Row &row = rows_[index];
   double largest = 0;
   for (const Lever *lever = levers_.data() + row.first, *end = lever + row.count; lever != end; ++lever)
     if (const int i = coordinate_[lever->velocity]; i >= 0)
       largest = std::max(largest, lever->size * std::abs(q[i]));
   return std::max(row.length, resolved * largest);
+}
+
+double ContactScales::farthest(const double *q) const {
+  double largest = 0;
+  for (const int i : coordinate_)
+    largest = std::max(largest, i >= 0 ? std::abs(q[i]) : 0);
+  return largest;
 }
 
 double ContactScales::fastest(const double *v) const {

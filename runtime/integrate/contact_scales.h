@@ -29,6 +29,13 @@ public:
   // Of a gap: what the nominal magnitude of one of its coordinates moves it by at most. 1e-12 of it is more than the rounding errors of the
   // gap at the coordinates q [nq].
   [[nodiscard]] double gap(int contact, const double *q) const { return length(contact, q); }
+  // The same for many gaps at one point, of which `farthest` is the largest coordinate.
+  [[nodiscard]] double gap(int contact, const double *q, double farthest) const {
+    const Row &row = rows_[contact];
+    return resolved * row.lever * farthest <= row.length ? row.length : length(contact, q);
+  }
+  // Rotations are left out.
+  [[nodiscard]] double farthest(const double *q) const;
   // Of a gap's rate and of a tangential row's slip: what the nominal magnitude of one velocity contributes at most, larger as the fastest
   // of the velocities v [nv] is beyond its own, up to `most` times what all of them contribute. Rounding errors of fast bodies reach those
   // that touch them; the error of the row's own velocities does not exceed their sum (`most` 1).
@@ -39,6 +46,9 @@ public:
   [[nodiscard]] double residualRate(int row, const double *v) const { return speed(model_->nc + model_->nt + row, v, several); }
 
 private:
+  // Sums of coordinates are off by a few rounding errors of the largest one: this part of it counts.
+  static constexpr double resolved = 2e-3;
+
   // Of a row: velocity number `velocity` moves it by `size` of itself.
   struct Lever {
     int velocity;
@@ -47,6 +57,7 @@ private:
   struct Row {
     int first = 0, count = 0;  // of its levers
     double length = 1;         // what the coordinates' nominals move it by at most
+    double lever = 0;          // the largest of those of coordinates
     double speed = 0;          // the same of the velocities'
   };
 

@@ -148,8 +148,9 @@ void GapScreen::renew(const double *const *in, const double *rate, double *gap, 
   }
   reads_ = 0;
   isBalanced_ = hasSpan_;
+  const double farthest = scales_->farthest(center_.data());
   for (int i = 0; i < nc; ++i) {
-    clearance_[i] = gap[i] - (touching * scales_->gap(i, center_.data()) + rounding * std::abs(gap[i]));
+    clearance_[i] = gap[i] - (touching * scales_->gap(i, center_.data(), farthest) + rounding * std::abs(gap[i]));
     isNear_[i] = clearance_[i] > bound_[i] ? 0 : 1;
   }
   for (std::size_t k = 0; isBalanced_ && k < shares.size(); ++k)

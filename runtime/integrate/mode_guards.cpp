@@ -70,9 +70,10 @@ void ModeDynamics::buildGuards() {
   leastMarginTimes_.assign(leastMargins_.size(), 0);
   largestMargins_.assign(leastMargins_.size(), std::numeric_limits<double>::infinity());
   guards_.clear();
+  const double *coordinates = at_.coordinates(), farthest = at_.scales.farthest(coordinates);
   for (int i = 0; i < model.nc; ++i)
     if (!mode_.closed[i])
-      guards_.push_back({GuardKind::Gap, i, 1, at_.scales.gap(i, at_.coordinates())});
+      guards_.push_back({GuardKind::Gap, i, 1, at_.scales.gap(i, coordinates, farthest)});
   gapGuardCount_ = static_cast<int>(guards_.size());
   if (rows_.count() > 0)
     scaleForces();

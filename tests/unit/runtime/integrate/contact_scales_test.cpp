@@ -43,6 +43,9 @@ TEST(ContactScales, AreWhatNominalsMoveAGapBy) {
   // Where the height is a metre, a gap is not known better.
   EXPECT_GT(1e-12 * scales.gap(0, far.data()), 2e-16);
   EXPECT_DOUBLE_EQ(scales.gap(1, far.data()), 2e-7);
+  for (const auto &q : {zero, far})
+    for (const int contact : {0, 1})
+      EXPECT_EQ(scales.gap(contact, q.data(), scales.farthest(q.data())), scales.gap(contact, q.data()));
 }
 
 TEST(ContactScales, FastVelocitiesCountAsFarAsTheyMoveTheRow) {
