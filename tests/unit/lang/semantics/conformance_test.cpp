@@ -1,4 +1,5 @@
-// Runs the files of tests/conformance: `// expect: ok` or `// expect: CODE at line:column` lines at the top tell the outcome.
+// Runs the files of tests/conformance: `// expect: ok` or `// expect: CODE at line:column` lines at the top tell the outcome of the
+// front end. Rules that are checked while the equations are derived (TF05, TF06) have their tests in tests/unit/compiler/mechanics.
 #include "tests/unit/lang/semantics/instantiate_text.h"
 
 #include <gmock/gmock.h>
