@@ -29,12 +29,12 @@ public:
   // Of a gap: what the nominal magnitude of one of its coordinates moves it by at most. 1e-12 of it is more than the rounding errors of the
   // gap at the coordinates q [nq].
   [[nodiscard]] double gap(int contact, const double *q) const { return length(contact, q); }
-  // The same for many gaps at one point, of which `farthest` is the largest coordinate.
+  // The same number where farthest(q) is known already, without a look at the coordinates unless one of them may matter.
   [[nodiscard]] double gap(int contact, const double *q, double farthest) const {
     const Row &row = rows_[contact];
     return resolved * row.lever * farthest <= row.length ? row.length : length(contact, q);
   }
-  // Rotations are left out.
+  // The largest magnitude among the coordinates q [nq], without those of rotations.
   [[nodiscard]] double farthest(const double *q) const;
   // Of a gap's rate and of a tangential row's slip: what the nominal magnitude of one velocity contributes at most, larger as the fastest
   // of the velocities v [nv] is beyond its own, up to `most` times what all of them contribute. Rounding errors of fast bodies reach those
@@ -55,10 +55,10 @@ private:
     double size;
   };
   struct Row {
-    int first = 0, count = 0;  // of its levers
-    double length = 1;         // what the coordinates' nominals move it by at most
-    double lever = 0;          // the largest of those of coordinates
-    double speed = 0;          // the same of the velocities'
+    int first = 0, count = 0;  // its part of levers_
+    double length = 1;         // what the nominal magnitude of one coordinate moves it by at most
+    double lever = 0;          // the largest size of the levers whose velocity is the rate of a coordinate
+    double speed = 0;          // what the nominal magnitude of one velocity contributes at most, 0 where nothing moves it
   };
 
   // Of rows `first` to `first` + `count` − 1: their entries [count × nv].
@@ -73,9 +73,9 @@ private:
   std::vector<double> inverse_;  // nv: of nominal_
   std::vector<int> coordinate_;  // nv: the coordinate whose rate it is, −1 of rotations
   double largestNominal_ = 0;    // of the velocities
-  std::vector<double> sizes_;    // [nc + nt + nh] × nv: of the rows' entries
+  std::vector<double> sizes_;    // [nc + nt + nh] × nv: the largest of the rows' entries at the points included
   std::vector<Row> rows_;        // nc + nt + nh
-  std::vector<Lever> levers_;
+  std::vector<Lever> levers_;    // row by row, in the order of the velocities
 };
 
 }  // namespace tf::runtime

@@ -84,6 +84,7 @@ std::string FailureTexts::contactsAtStart(double time, const double *state) {
     const tf_contact &contact = model_.contacts[i];
     if (!std::isfinite(at_.gap[i]))
       return fmt::format("'{}.gap' is {} at the start {}", contact.name, nameOfNonFinite(at_.gap[i]), sourceOf(contact.location));
+    // Most are open: their scales are not needed.
     if (at_.gap[i] < 0 && at_.gap[i] < -touchingGap * at_.scales.gap(i, state))
       return fmt::format("contact '{}' starts with a penetration of {:.6g} {}", contact.name, -at_.gap[i], sourceOf(contact.location));
   }

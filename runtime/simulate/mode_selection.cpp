@@ -129,7 +129,7 @@ std::string ModeSelection::jump(const double *state) {
   if (std::none_of(model.switches, model.switches + model.ns, [](const tf_switch &one) { return one.kind == TF_SWITCH_TIME; }))
     return {};
   for (int i = 0; i < model.nc; ++i)
-    if (const tf_contact &contact = model.contacts[i]; at_.gap[i] < 0 && at_.gap[i] < -clear * at_.scales.gap(i, state))
+    if (const tf_contact &contact = model.contacts[i]; at_.gap[i] < -clear * at_.scales.gap(i, state))
       return fmt::format("the gap of contact '{}' jumps to {:.6g} {}", contact.name, at_.gap[i], sourceOf(contact.location));
   if (model.nh == 0)
     return {};
