@@ -65,8 +65,8 @@ struct ImpactSequence::Workspace {
   std::vector<AccumulationPoint> points;  // those whose contacts have stayed closed so far
   AccumulationPoint state;                // at the current time
   std::vector<double> gap, velocity, acceleration, force;
-  std::vector<double> start, outerStart;  // values at the begin of the current entry
-  std::vector<int> rows, tangents;        // of the closed or impacting contacts
+  std::vector<double> start, outerStart, end;  // values at the begin and the end of the current entry
+  std::vector<int> rows, tangents;             // of the closed or impacting contacts
   CoupledContacts coupled;
   std::vector<int> approaching;  // of `rows`
   std::vector<double> closedForce, closedRate;
@@ -86,7 +86,7 @@ struct ImpactSequence::Workspace {
   void begin(const SequenceProblem &at);
   void chooseRows(bool resting);
   void resetTail(BreakpointTail &tail) const;
-  [[nodiscard]] std::vector<double> values() const;
+  void readValues(std::vector<double> &values) const;
   void addEntry(BreakpointTail &tail, std::vector<double> &from, int symbol);
   bool freeze();
   void poseClosed();
@@ -121,19 +121,19 @@ void ImpactSequence::Workspace::begin(const SequenceProblem &at) {
   coupled.find(at.delassus, at);
   resetTail(inner);
   resetTail(outer);
-  start = outerStart = values();
+  readValues(start);
+  outerStart = start;
 }
 
 // Velocities, impulses, times shrink by the factor of a cycle; then gaps and moments, which are integrals.
-std::vector<double> ImpactSequence::Workspace::values() const {
-  std::vector<double> result(velocity);
-  result.insert(result.end(), state.impulse.begin(), state.impulse.end());
-  result.insert(result.end(), state.frozenImpulse.begin(), state.frozenImpulse.end());
-  result.push_back(state.time);
-  result.push_back(state.tau);
-  result.insert(result.end(), gap.begin(), gap.end());
-  result.insert(result.end(), state.impulseMoment.begin(), state.impulseMoment.end());
-  return result;
+void ImpactSequence::Workspace::readValues(std::vector<double> &values) const {
+  values.assign(velocity.begin(), velocity.end());
+  values.insert(values.end(), state.impulse.begin(), state.impulse.end());
+  values.insert(values.end(), state.frozenImpulse.begin(), state.frozenImpulse.end());
+  values.push_back(state.time);
+  values.push_back(state.tau);
+  values.insert(values.end(), gap.begin(), gap.end());
+  values.insert(values.end(), state.impulseMoment.begin(), state.impulseMoment.end());
 }
 
 void ImpactSequence::Workspace::resetTail(BreakpointTail &tail) const {
@@ -142,11 +142,11 @@ void ImpactSequence::Workspace::resetTail(BreakpointTail &tail) const {
 }
 
 void ImpactSequence::Workspace::addEntry(BreakpointTail &tail, std::vector<double> &from, int symbol) {
-  std::vector<double> now = values();
-  for (std::size_t k = 0; k < now.size(); ++k)
-    from[k] = now[k] - from[k];
+  readValues(end);
+  for (std::size_t k = 0; k < end.size(); ++k)
+    from[k] = end[k] - from[k];
   tail.add(symbol, from);
-  from = std::move(now);
+  from.swap(end);
 }
 
 // Contacts with gap 0 that an impact reaches, or (`resting`) that do not open either, and their tangential rows; resting contacts come with
@@ -395,12 +395,12 @@ void ImpactSequence::Workspace::sumRepeating() {
     recordPoint(contacts);
     resetTail(outer);
     outerHits.clear();
-    outerStart = values();
+    readValues(outerStart);
   }
   outerHits.emplace_back();
   resetTail(inner);
   innerHits.clear();
-  start = values();
+  readValues(start);
 }
 
 // The impacts have become so slow that nothing is left to come.
