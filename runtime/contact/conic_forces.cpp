@@ -31,23 +31,62 @@ void ConicForces::resize(int variables, int limits) {
   limits_.resize(limits);
 }
 
+void ConicForces::subtractProduct(const Eigen::VectorXd &x, Eigen::VectorXd &y) const {
+  for (Eigen::Index c = 0; c < x.size(); ++c)
+    if (x[c] != 0)
+      y -= x[c] * matrix_.col(c);
+}
+
 void ConicForces::solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const {
-  // Aᵀ P = Q R: the first `rank` equations in the order of P are independent.
-  const Eigen::Index rank = factor_.rank(), count = rhs.size();
-  Eigen::VectorXd y = (factor_.colsPermutation().transpose() * rhs).head(rank);
-  factor_.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().transpose().solveInPlace(y);
-  x.setZero(count);
-  x.head(rank) = y;
-  x.applyOnTheLeft(factor_.householderQ());
+  x.setZero(rhs.size());
+  for (std::size_t number = 0; number < partition_.count(); ++number) {
+    // Aᵀ P = Q R: the first `rank` equations in the order of P are independent.
+    Part &part = parts_[number];
+    if (std::all_of(part.places.begin(), part.places.end(), [&rhs](int place) { return rhs[place] == 0; }))
+      continue;
+    const Eigen::Index rank = part.factor.rank(), count = part.factor.rows();
+    part.values = part.factor.colsPermutation().transpose() * rhs(part.places);
+    part.values.tail(count - rank).setZero();
+    part.factor.matrixR()
+        .topLeftCorner(rank, rank)
+        .template triangularView<Eigen::Upper>()
+        .transpose()
+        .solveInPlace(part.values.head(rank));
+    part.values.applyOnTheLeft(part.factor.householderQ());
+    x(part.places) = part.values;
+  }
 }
 
 void ConicForces::multipliersOf(const Eigen::VectorXd &x, Eigen::VectorXd &z) const {
-  const Eigen::Index rank = factor_.rank();
-  Eigen::VectorXd along = x;
-  along.applyOnTheLeft(factor_.householderQ().adjoint());
-  factor_.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().solveInPlace(along.head(rank));
-  along.tail(along.size() - rank).setZero();
-  z = factor_.colsPermutation() * along;
+  z.resize(x.size());
+  for (std::size_t number = 0; number < partition_.count(); ++number) {
+    Part &part = parts_[number];
+    const Eigen::Index rank = part.factor.rank(), count = part.factor.rows();
+    part.values = x(part.places);
+    part.values.applyOnTheLeft(part.factor.householderQ().adjoint());
+    part.factor.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().solveInPlace(part.values.head(rank));
+    part.values.tail(count - rank).setZero();
+    z(part.places) = part.factor.colsPermutation() * part.values;
+  }
+}
+
+// An orthonormal basis of the null space of A, part by part.
+void ConicForces::findKernel() {
+  if (hasKernel_)
+    return;
+  hasKernel_ = true;
+  Eigen::Index count = 0;
+  for (std::size_t number = 0; number < partition_.count(); ++number)
+    count += parts_[number].factor.rows() - parts_[number].factor.rank();
+  kernel_.setZero(rhs_.size(), count);
+  Eigen::Index column = 0;
+  Eigen::MatrixXd own;
+  for (std::size_t number = 0; number < partition_.count(); ++number) {
+    findNullSpace(parts_[number].factor, own);
+    kernel_(parts_[number].places, Eigen::seqN(column, own.cols())) = own;
+    column += own.cols();
+  }
+  kernelRows_ = kernel_.transpose();
 }
 
 bool ConicForces::prepare(double tolerance) {
@@ -59,10 +98,16 @@ bool ConicForces::prepare(double tolerance) {
       rhs_[r] /= length;
     }
   }
-  factor_.setThreshold(singular);
-  factor_.compute(matrix_.transpose());
-  findNullSpace(factor_, kernel_);
-  kernelRows_ = kernel_.transpose();
+  partition_.find(matrix_.data(), static_cast<int>(count));
+  if (parts_.size() < partition_.count())
+    parts_.resize(partition_.count());
+  hasKernel_ = false;
+  for (std::size_t number = 0; number < partition_.count(); ++number) {
+    Part &part = parts_[number];
+    part.places.assign(partition_.rows(number).begin(), partition_.rows(number).end());
+    part.factor.setThreshold(singular);
+    part.factor.compute(matrix_(part.places, part.places).transpose());
+  }
   solve(rhs_, free_);
   scale_ = free_.lpNorm<Eigen::Infinity>();
   for (const Limit &limit : limits_)
@@ -177,6 +222,7 @@ void ConicForces::center(Aim aim, double weight) {
 }
 
 double ConicForces::largestSlack() {
+  findKernel();
   const Eigen::Index kernel = kernel_.cols();
   base_ = free_;
   unknown_.setZero(kernel + 1);
@@ -194,6 +240,7 @@ double ConicForces::largestSlack() {
 }
 
 const Eigen::VectorXd &ConicForces::leastNorm() {
+  findKernel();
   const Eigen::Index kernel = kernel_.cols();
   base_ = free_;
   unknown_ = kernel_.transpose() * (innermost_ - free_);
@@ -266,6 +313,7 @@ const Eigen::VectorXd *ConicForces::followLeastNorm() {
   if (!isKnown_ || least_.size() != free_.size())
     return nullptr;
   isKnown_ = false;
+  findKernel();
   // The last point on the new equations.
   unknown_ = kernel_.transpose() * (least_ - free_);
   least_ = free_ + kernel_ * unknown_;

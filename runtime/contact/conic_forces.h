@@ -3,8 +3,11 @@
 // with A singular. Its representative is the least-norm point; the set is empty where the largest common slack is negative
 // (theory.md section 6). Both are convex problems in the null space of A, solved by a logarithmic barrier (Boyd and Vandenberghe, Convex
 // Optimization, 2004, sections 11.3 and 11.6) to rounding. Along a motion the least-norm point is followed by Newton's method on its
-// optimality conditions while the same limits are active.
+// optimality conditions while the same limits are active. A falls into parts that have no variable in common, as those of bodies apart,
+// which are factorised one by one.
 #pragma once
+
+#include "runtime/contact/matrix_parts.h"
 
 #include <Eigen/Dense>
 
@@ -40,6 +43,8 @@ public:
   const Eigen::VectorXd &leastNorm();
   // After prepare(): the same point from the last one, with the same limits active. Null where it is not found so, or there is no last one.
   const Eigen::VectorXd *followLeastNorm();
+  // y −= A x, where most entries of x may be zero.
+  void subtractProduct(const Eigen::VectorXd &x, Eigen::VectorXd &y) const;
   // Least-norm solution of A x = b for another b.
   void solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const;
   // z of rows with Aᵀ z = x, zero of those that depend on others; x has no part in the null space of A.
@@ -51,8 +56,16 @@ public:
   [[nodiscard]] double scale() const { return scale_; }
 
 private:
+  // Equations and variables (of the same numbers) that are not coupled with others.
+  struct Part {
+    std::vector<int> places;
+    Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
+    Eigen::VectorXd values;
+  };
+
   // Objective −common/weight (common slack is the last unknown) or ½‖x‖²/weight (common slack 0).
   enum class Aim : bool { CommonSlack, LeastNorm };
+  void findKernel();
   void center(Aim aim, double weight);
   void findActive();
   bool newtonStep(double &change);
@@ -61,7 +74,9 @@ private:
   Eigen::MatrixXd matrix_, kernel_, kernelRows_;  // kernelRows: the transposed kernel
   Eigen::VectorXd rhs_, free_, innermost_, least_;
   std::vector<Limit> limits_;
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor_;
+  MatrixParts partition_;
+  mutable std::vector<Part> parts_;  // as many as the partition has, and others of before
+  bool hasKernel_ = false;
   Eigen::VectorXd unknown_, step_, gradient_, point_, base_;  // unknown: coordinates in the kernel, then the common slack
   Eigen::MatrixXd hessian_;
   Eigen::LDLT<Eigen::MatrixXd> hessianFactor_;

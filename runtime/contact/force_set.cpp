@@ -99,19 +99,30 @@ bool ForceSet::sharesMove(const ContactProblem &problem) {
   view(problem);
   const int k = activeCount(), n = rows_.normalCount, m = rows_.tangentCount;
   equations_.assemble(rows_, matrix_);
+  partition_.find(matrix_.data(), k);
+  const auto matrix = matrix_.map();
+  const auto delassus = rows_.delassus->map();
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
   factor.setThreshold(dependent);
-  factor.compute(matrix_.map().transpose());
-  Eigen::MatrixXd kernel;
-  findNullSpace(factor, kernel);
-  Eigen::MatrixXd shares = Eigen::MatrixXd::Zero(n + m, kernel.cols());
-  for (int c = 0; c < k; ++c)
-    shares.row(equations_.active()[c]) = kernel.row(c);
-  for (int j = 0; j < m; ++j)
-    if (const int owner = rows_.owner[j]; owner >= 0 && equations_.position(n + j) < 0)
-      shares.row(n + j) = equations_.slipFactor(rows_, j) * shares.row(owner);
-  const auto delassus = rows_.delassus->map();
-  return kernel.cols() > 0 && (delassus * shares).cwiseAbs().maxCoeff() > visible * delassus.cwiseAbs().maxCoeff();
+  Eigen::MatrixXd kernel, accelerations;
+  double largest = 0;
+  for (std::size_t part = 0; part < partition_.count(); ++part) {
+    const std::span<const int> places = partition_.rows(part);
+    factor.compute(matrix(places, places).transpose());
+    findNullSpace(factor, kernel);
+    if (kernel.cols() == 0)
+      continue;
+    accelerations.setZero(n + m, kernel.cols());
+    for (std::size_t c = 0; c < places.size(); ++c)
+      accelerations += delassus.col(equations_.active()[places[c]]) * kernel.row(static_cast<Eigen::Index>(c));
+    for (int j = 0; j < m; ++j) {
+      const int owner = rows_.owner[j] >= 0 && equations_.position(n + j) < 0 ? equations_.position(rows_.owner[j]) : -1;
+      if (const auto place = std::lower_bound(places.begin(), places.end(), owner); place != places.end() && *place == owner)
+        accelerations += equations_.slipFactor(rows_, j) * delassus.col(n + j) * kernel.row(place - places.begin());
+    }
+    largest = std::max(largest, accelerations.cwiseAbs().maxCoeff());
+  }
+  return largest > visible * delassus.cwiseAbs().maxCoeff();
 }
 
 bool ForceSet::solveRegular(const ContactProblem &problem) {
@@ -215,7 +226,7 @@ void ForceSet::conicPointRate() {
   rhsRate_.resize(k);
   for (int r = 0; r < k; ++r)
     rhsRate_[r] = unknown_[r] / length_[r];
-  rhsRate_ -= cone_.matrix() * gradientRate_;
+  cone_.subtractProduct(gradientRate_, rhsRate_);
   cone_.solve(rhsRate_, pointRate_);
   pointRate_ += gradientRate_;
 }

@@ -7,6 +7,7 @@
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/equal_shares.h"
 #include "runtime/contact/least_norm.h"
+#include "runtime/contact/matrix_parts.h"
 #include "runtime/contact/mode_equations.h"
 
 #include <cstdint>
@@ -157,6 +158,7 @@ private:
   std::vector<double> multiplier_, multiplierAcceleration_, limitMultiplier_;
   Eigen::VectorXd gradientRate_, pointRate_, rhsRate_;
   DenseMatrix matrix_;
+  MatrixParts partition_;  // of matrix_
   // For equalShares_: unknowns that are sets of their own; of sets, their row of D, and what takes an entry of it into that of a normal; of
   // slipping rows that are loaded, the unknown, the row, and what it adds by.
   std::vector<std::uint8_t> isAlone_;

@@ -126,6 +126,24 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   }
 }
 
+// Of the row that is gathered next. Runs of zeros part it where they fill chunks, counted from its first entry.
+void RowSystem::findSpans(int i) {
+  const double *row = jacobian(i);
+  int from = -1;
+  for (int k = begin_[i]; k < end_[i]; k += chunk) {
+    const bool isZero = k + chunk <= end_[i] && allZero(row + k);
+    if (!isZero && from < 0)
+      from = k;
+    if (!isZero || from < 0)
+      continue;
+    spans_.push_back({from, k});
+    from = -1;
+  }
+  if (from >= 0)
+    spans_.push_back({from, end_[i]});
+  firstSpan_.push_back(static_cast<int>(spans_.size()));
+}
+
 void RowSystem::prepareTwins() {
   twin_.resize(count());
   mark_.resize(count());
@@ -156,8 +174,11 @@ void RowSystem::findTwin(int i) {
 void RowSystem::gatherRows(const ModelEvaluation &at) {
   const int n = normalCount();
   const int m = count();
-  if (nv_ > narrow)
+  if (nv_ > narrow) {
     first_.clear();
+    spans_.clear();
+    firstSpan_.assign(1, 0);
+  }
   for (int i = 0; i < m; ++i) {
     double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
     if (i < n || side_[i - n] == 0) {
@@ -171,8 +192,10 @@ void RowSystem::gatherRows(const ModelEvaluation &at) {
     }
     begin_[i] = nv_ > narrow ? leadingZeros(row, nv_) : 0;
     end_[i] = nv_ > narrow ? nv_ - trailingZeros(row + begin_[i], nv_ - begin_[i]) : nv_;
-    if (nv_ > narrow)
+    if (nv_ > narrow) {
+      findSpans(i);
       findTwin(i);
+    }
   }
   hasTwins_ = nv_ > narrow && static_cast<int>(first_.size()) < m;
 }

@@ -46,7 +46,12 @@ public:
   void addForces(const double *forces, double *target) const;
   // J_i · x
   [[nodiscard]] double product(int row, const double *x) const {
-    return dot(jacobian(row) + begin_[row], x + begin_[row], end_[row] - begin_[row]);
+    if (nv_ <= narrow)
+      return dot(jacobian(row), x, nv_);
+    double sum = 0;
+    for (int k = firstSpan_[row]; k < firstSpan_[row + 1]; ++k)
+      sum += dot(jacobian(row) + spans_[k].begin, x + spans_[k].begin, spans_[k].end - spans_[k].begin);
+    return sum;
   }
   // The velocity terms of the row's acceleration (normalBias, tangentBias) at the evaluation's point.
   [[nodiscard]] double modelBias(const ModelEvaluation &at, int row) const {
@@ -100,6 +105,12 @@ private:
     std::vector<double> half, scaled;
   };
 
+  // Columns outside which, together, a row of J is zero; of a contact between two bodies those of their coordinates.
+  struct Span {
+    int begin = 0, end = 0;
+  };
+
+  void findSpans(int row);
   void prepareTwins();
   void findTwin(int i);
   void copyTwins(DenseMatrix &delassus) const;
@@ -121,6 +132,8 @@ private:
   std::vector<double> half_, scaled_;     // Zᵀ and Zᵀ Δ⁻¹, alike; undefined on blocks that the row does not move
   std::vector<std::vector<Part>> parts_;  // of blocks, rows ascending
   std::vector<int> begin_, end_;          // columns of J's rows outside which all is zero
+  std::vector<Span> spans_;               // row by row, ascending; only where rows are not read as a whole
+  std::vector<int> firstSpan_;            // count + 1
   bool hasTwins_ = false;                 // rows gathered last are equal to others
   std::vector<int> twin_;                 // of a row: the first row that is equal to it
   std::vector<int> first_;                // rows that are equal to none before

@@ -48,5 +48,50 @@ TEST(ConicForces, LeastNormOfAThinTriangleIsInIt) {
   }
 }
 
+// Variables of the one alternate with those of the other; both are what they are alone.
+TEST(ConicForces, PartsDoNotMatterToOneAnother) {
+  constexpr int copies = 2;
+  const Eigen::RowVector3d sides[copies] = {{1, 2, 3}, {0.5, 1, 0.7}};
+  const double widths[copies] = {1.4, 0.9};
+  ConicForces both;
+  both.resize(4 * copies, 3 * copies);
+  both.matrix().setZero();
+  Eigen::VectorXd points[copies], multipliers[copies], along = Eigen::VectorXd::Zero(4 * copies), found;
+  for (int copy = 0; copy < copies; ++copy) {
+    ConicForces one;
+    poseTriangle(one, sides[copy], widths[copy]);
+    for (int k = 0; k < 4; ++k) {
+      for (int c = 0; c < 4; ++c)
+        both.matrix()(copies * k + copy, copies * c + copy) = one.matrix()(k, c);
+      both.rhs()[copies * k + copy] = one.rhs()[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+      both.limit(copies * k + copy) = one.limit(k);
+      both.limit(copies * k + copy).apex = copies * k + copy;
+    }
+    ASSERT_TRUE(one.prepare(1e-9));
+    one.multipliersOf(one.freePoint(), multipliers[copy]);
+    ASSERT_GT(one.largestSlack(), 0.1);
+    points[copy] = one.leastNorm();
+  }
+  ASSERT_TRUE(both.prepare(1e-9));
+  both.multipliersOf(both.freePoint(), found);
+  ASSERT_GT(both.largestSlack(), 0.1);
+  const Eigen::VectorXd &least = both.leastNorm();
+  for (int copy = 0; copy < copies; ++copy)
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_NEAR(least[copies * k + copy], points[copy][k], 1e-12) << copy << ' ' << k;
+      EXPECT_NEAR(found[copies * k + copy], multipliers[copy][k], 1e-14) << copy << ' ' << k;
+    }
+  along[0] = 2;
+  Eigen::VectorXd left = Eigen::VectorXd::Ones(4 * copies);
+  both.subtractProduct(along, left);
+  EXPECT_LT((left - (Eigen::VectorXd::Ones(4 * copies) - both.matrix() * along)).lpNorm<Eigen::Infinity>(), 1e-15);
+  // Of nothing on the right-hand side of one part, nothing of its solution.
+  both.solve(along, found);
+  for (int k = 0; k < 4; ++k)
+    EXPECT_EQ(found[copies * k + 1], 0);
+}
+
 }  // namespace
 }  // namespace tf::runtime
