@@ -122,7 +122,7 @@ bool ForceSet::sharesMove(const ContactProblem &problem) {
     }
     largest = std::max(largest, accelerations.cwiseAbs().maxCoeff());
   }
-  return largest > visible * delassus.cwiseAbs().maxCoeff();
+  return largest > 0 && largest > visible * delassus.cwiseAbs().maxCoeff();
 }
 
 bool ForceSet::solveRegular(const ContactProblem &problem) {
