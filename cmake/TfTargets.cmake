@@ -9,9 +9,7 @@ target_compile_options(tf_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wnon-virt
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   # False positives on every "literal" + std::string in g++ 12 (GCC PR 105651).
   target_compile_options(tf_options INTERFACE $<$<COMPILE_LANGUAGE:CXX>:-Wno-restrict>)
-endif()
-# Sources that are compiled for optimisation as a whole are linked as they are, but in targets with the property TF_OPTIMISES_WHOLE.
-if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+  # Sources that are compiled for optimisation as a whole are linked as they are, but in targets with the property TF_OPTIMISES_WHOLE.
   target_link_options(tf_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:TF_OPTIMISES_WHOLE>>>:-fno-lto>)
 endif()
 if(TF_SANITIZE)

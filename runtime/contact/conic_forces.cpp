@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace tf::runtime {
 
@@ -42,10 +43,11 @@ void ConicForces::solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const {
   for (std::size_t number = 0; number < partition_.count(); ++number) {
     // Aᵀ P = Q R: the first `rank` equations in the order of P are independent.
     Part &part = parts_[number];
-    if (std::all_of(part.places.begin(), part.places.end(), [&rhs](int place) { return rhs[place] == 0; }))
+    const std::span<const int> places = partition_.rows(number);
+    if (std::all_of(places.begin(), places.end(), [&rhs](int place) { return rhs[place] == 0; }))
       continue;
     const Eigen::Index rank = part.factor.rank(), count = part.factor.rows();
-    part.values = part.factor.colsPermutation().transpose() * rhs(part.places);
+    part.values = part.factor.colsPermutation().transpose() * rhs(places);
     part.values.tail(count - rank).setZero();
     part.factor.matrixR()
         .topLeftCorner(rank, rank)
@@ -53,7 +55,7 @@ void ConicForces::solve(const Eigen::VectorXd &rhs, Eigen::VectorXd &x) const {
         .transpose()
         .solveInPlace(part.values.head(rank));
     part.values.applyOnTheLeft(part.factor.householderQ());
-    x(part.places) = part.values;
+    x(places) = part.values;
   }
 }
 
@@ -61,12 +63,13 @@ void ConicForces::multipliersOf(const Eigen::VectorXd &x, Eigen::VectorXd &z) co
   z.resize(x.size());
   for (std::size_t number = 0; number < partition_.count(); ++number) {
     Part &part = parts_[number];
+    const std::span<const int> places = partition_.rows(number);
     const Eigen::Index rank = part.factor.rank(), count = part.factor.rows();
-    part.values = x(part.places);
+    part.values = x(places);
     part.values.applyOnTheLeft(part.factor.householderQ().adjoint());
     part.factor.matrixR().topLeftCorner(rank, rank).template triangularView<Eigen::Upper>().solveInPlace(part.values.head(rank));
     part.values.tail(count - rank).setZero();
-    z(part.places) = part.factor.colsPermutation() * part.values;
+    z(places) = part.factor.colsPermutation() * part.values;
   }
 }
 
@@ -83,30 +86,25 @@ void ConicForces::findKernel() {
   Eigen::MatrixXd own;
   for (std::size_t number = 0; number < partition_.count(); ++number) {
     findNullSpace(parts_[number].factor, own);
-    kernel_(parts_[number].places, Eigen::seqN(column, own.cols())) = own;
+    kernel_(partition_.rows(number), Eigen::seqN(column, own.cols())) = own;
     column += own.cols();
   }
   kernelRows_ = kernel_.transpose();
 }
 
 bool ConicForces::prepare(double tolerance) {
-  const Eigen::Index count = rhs_.size();
-  for (Eigen::Index r = 0; r < count; ++r) {
-    const double length = matrix_.row(r).norm();
-    if (length > 0) {
-      matrix_.row(r) /= length;
-      rhs_[r] /= length;
-    }
-  }
-  partition_.find(matrix_.data(), static_cast<int>(count));
+  rowLength_ = matrix_.rowwise().norm();
+  rowLength_ = (rowLength_.array() > 0).select(rowLength_, 1.0);
+  matrix_.array().colwise() /= rowLength_.array();
+  rhs_.array() /= rowLength_.array();
+  partition_.find(matrix_.data(), static_cast<int>(rhs_.size()));
   if (parts_.size() < partition_.count())
     parts_.resize(partition_.count());
   hasKernel_ = false;
   for (std::size_t number = 0; number < partition_.count(); ++number) {
-    Part &part = parts_[number];
-    part.places.assign(partition_.rows(number).begin(), partition_.rows(number).end());
-    part.factor.setThreshold(singular);
-    part.factor.compute(matrix_(part.places, part.places).transpose());
+    const std::span<const int> places = partition_.rows(number);
+    parts_[number].factor.setThreshold(singular);
+    parts_[number].factor.compute(matrix_(places, places).transpose());
   }
   solve(rhs_, free_);
   scale_ = free_.lpNorm<Eigen::Infinity>();

@@ -32,8 +32,11 @@ public:
   Eigen::VectorXd &rhs() { return rhs_; }
   Limit &limit(int k) { return limits_[k]; }
 
-  // Factorises A. False: the dependent equations contradict the others by more than `tolerance`, relative to the size of the point.
+  // Makes the rows of A unit vectors and factorises it. False: the dependent equations contradict the others by more than `tolerance`,
+  // relative to the size of the point.
   bool prepare(double tolerance);
+  // Of row r of A, before prepare(); 1 where it is zero.
+  [[nodiscard]] double rowLength(int r) const { return rowLength_[r]; }
   // The least-norm solution of A x = b alone.
   [[nodiscard]] const Eigen::VectorXd &freePoint() const { return free_; }
   // max over A x = b of min_k slack_k (up to a force far beyond that of freePoint), to 1e-6 of itself, and a point where it is reached.
@@ -56,9 +59,8 @@ public:
   [[nodiscard]] double scale() const { return scale_; }
 
 private:
-  // Equations and variables (of the same numbers) that are not coupled with others.
+  // Of equations and variables (of the same numbers) that are not coupled with others.
   struct Part {
-    std::vector<int> places;
     Eigen::ColPivHouseholderQR<Eigen::MatrixXd> factor;
     Eigen::VectorXd values;
   };
@@ -72,7 +74,7 @@ private:
   bool barrier(Aim aim, double weight, double &value, bool derivatives);
 
   Eigen::MatrixXd matrix_, kernel_, kernelRows_;  // kernelRows: the transposed kernel
-  Eigen::VectorXd rhs_, free_, innermost_, least_;
+  Eigen::VectorXd rhs_, rowLength_, free_, innermost_, least_;
   std::vector<Limit> limits_;
   MatrixParts partition_;
   mutable std::vector<Part> parts_;  // as many as the partition has, and others of before

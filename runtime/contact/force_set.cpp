@@ -390,10 +390,8 @@ void ForceSet::expandPoint(const double *point) {
 
 LeastNorm::Status ForceSet::solveConic(const ContactProblem &problem, double tolerance) {
   view(problem);
-  loadConic();
-  if (!cone_.prepare(redundantResidual))
+  if (!prepareConic())
     return LeastNorm::Status::Contradictory;
-  forceScale_ = cone_.scale();
   inside_ = cone_.smallestSlack(cone_.freePoint()) >= -tolerance * forceScale_;
   if (inside_)
     expandPoint(cone_.freePoint().data());
@@ -421,12 +419,10 @@ void ForceSet::loadConic() {
   weighEquations();
   equations_.assemble(rows_, matrix_);
   cone_.resize(k, static_cast<int>(limits_.size()));
-  length_.resize(k);
-  for (int r = 0; r < k; ++r) {
-    for (int c = 0; c < k; ++c)
+  for (int c = 0; c < k; ++c) {
+    for (int r = 0; r < k; ++r)
       cone_.matrix()(r, c) = matrix_(r, c) / weight_[c];
-    cone_.rhs()[r] = unknown_[r];
-    length_[r] = cone_.matrix().row(r).norm() > 0 ? cone_.matrix().row(r).norm() : 1.0;
+    cone_.rhs()[c] = unknown_[c];
   }
   for (std::size_t l = 0; l < limits_.size(); ++l) {
     ConicForces::Limit &limit = cone_.limit(static_cast<int>(l));
@@ -447,6 +443,17 @@ void ForceSet::loadConic() {
       limit.factor = rows_.friction[j] / weight_[limit.apex];
     }
   }
+}
+
+// The equations alone have been solved then. False: they contradict one another.
+bool ForceSet::prepareConic() {
+  loadConic();
+  const bool areConsistent = cone_.prepare(redundantResidual);
+  forceScale_ = cone_.scale();
+  length_.resize(static_cast<std::size_t>(activeCount()));
+  for (int r = 0; r < activeCount(); ++r)
+    length_[r] = cone_.rowLength(r);
+  return areConsistent;
 }
 
 // Where the set has hardly any width its innermost point is as good as the least-norm one.
@@ -493,10 +500,8 @@ int ForceSet::conicSaturated(int k) const {
 bool ForceSet::solveActive(const ContactProblem &problem) {
   view(problem);
   if (conic_) {
-    loadConic();
-    if (!cone_.prepare(redundantResidual))
+    if (!prepareConic())
       return false;
-    forceScale_ = cone_.scale();
     if (inside_)
       expandPoint(cone_.freePoint().data());
     else

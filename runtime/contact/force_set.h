@@ -130,6 +130,7 @@ private:
   bool solveAll();
   void expandPoint(const double *point);
   void loadConic();
+  bool prepareConic();
   void confineConic();
   void followConic();
   void findInnermost();

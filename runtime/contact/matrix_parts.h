@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -20,7 +21,8 @@ public:
 
 private:
   std::vector<int> begin_{0}, rows_;  // of parts in rows_, and the end
-  std::vector<int> others_;           // rows that no part has yet
+  std::vector<int> part_;             // that is being found
+  std::vector<std::uint8_t> isListed_;
 };
 
 }  // namespace tf::runtime

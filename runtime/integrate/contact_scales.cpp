@@ -118,9 +118,9 @@ double ContactScales::speed(int index, const double *v, double most) const {
   const double fastest = this->fastest(v);
   if (!(row.speed > 0))
     return model_->nv > 0 ? largestNominal_ * fastest : 1;
-  // The sum is not less than its largest part, and of a single velocity no more.
-  if (fastest == 1 || model_->nv == 1)
-    return row.speed * fastest;
+  // The sum is not less than its largest part.
+  if (fastest == 1)
+    return row.speed;
   const double *nominal = nominal_.data() + model_->nq;
   double sum = 0;
   for (const Lever *lever = levers_.data() + row.first, *end = lever + row.count; lever != end; ++lever)

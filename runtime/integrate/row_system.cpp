@@ -7,6 +7,7 @@
 #include <cassert>
 #include <cmath>
 #include <cstring>
+#include <numeric>
 
 namespace tf::runtime {
 
@@ -103,8 +104,9 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
   hasTwins_ = false;
   if (nv_ > narrow)
     prepareTwins();
-  begin_.assign(count(), 0);
-  end_.assign(count(), nv_);
+  spans_.assign(count(), Span{0, nv_});
+  firstSpan_.resize(static_cast<std::size_t>(count()) + 1);
+  std::iota(firstSpan_.begin(), firstSpan_.end(), 0);
   contactOf_.clear();
   side_.clear();
   frame_.assign(tangents.size(), Frame{});
@@ -129,18 +131,17 @@ void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, 
 // Of the row that is gathered next. Runs of zeros part it where they fill chunks, counted from its first entry.
 void RowSystem::findSpans(int i) {
   const double *row = jacobian(i);
-  int from = -1;
-  for (int k = begin_[i]; k < end_[i]; k += chunk) {
-    const bool isZero = k + chunk <= end_[i] && allZero(row + k);
-    if (!isZero && from < 0)
-      from = k;
-    if (!isZero || from < 0)
-      continue;
-    spans_.push_back({from, k});
-    from = -1;
+  const int begin = leadingZeros(row, nv_), end = nv_ - trailingZeros(row + begin, nv_ - begin);
+  bool continues = false;
+  for (int k = begin; k < end; k += chunk) {
+    const int next = std::min(k + chunk, end);
+    const bool isZero = next == k + chunk && allZero(row + k);
+    if (continues && !isZero)
+      spans_.back().end = next;
+    else if (!isZero)
+      spans_.push_back({k, next});
+    continues = !isZero;
   }
-  if (from >= 0)
-    spans_.push_back({from, end_[i]});
   firstSpan_.push_back(static_cast<int>(spans_.size()));
 }
 
@@ -157,7 +158,7 @@ void RowSystem::prepareTwins() {
 void RowSystem::findTwin(int i) {
   constexpr double similar = 1e-13;
   const double *row = jacobian(i);
-  const double mark = dot(row + begin_[i], marker_.data() + begin_[i], end_[i] - begin_[i]), accepted = similar * std::abs(mark);
+  const double mark = product(i, marker_.data()), accepted = similar * std::abs(mark);
   const int count = static_cast<int>(first_.size());
   twin_[i] = i;
   for (int k = nearestPlace(mark_.data(), 0, count, mark, accepted); k < count;
@@ -190,8 +191,6 @@ void RowSystem::gatherRows(const ModelEvaluation &at) {
       for (int k = 0; k < nv_; ++k)
         row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
     }
-    begin_[i] = nv_ > narrow ? leadingZeros(row, nv_) : 0;
-    end_[i] = nv_ > narrow ? nv_ - trailingZeros(row + begin_[i], nv_ - begin_[i]) : nv_;
     if (nv_ > narrow) {
       findSpans(i);
       findTwin(i);
@@ -227,9 +226,10 @@ void RowSystem::halve(int i) {
     for (int block = 0; block < blocks; ++block)
       add(block);
   else
-    for (int k = begin_[i]; k < end_[i]; ++k)
-      if (const int block = mass.blockOf(k); row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
-        add(block);
+    for (const Span &span : spansOf(i))
+      for (int k = span.begin; k < span.end; ++k)
+        if (const int block = mass.blockOf(k); row[k] != 0 && (parts_[block].empty() || parts_[block].back().row != i))
+          add(block);
   if (everywhere)
     mobility_->constrain(row, half, scaled);
 }
@@ -450,8 +450,9 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
 
 void RowSystem::addForces(const double *forces, double *target) const {
   for (int i = 0; i < count(); ++i)
-    for (int k = begin_[i]; k < end_[i]; ++k)
-      target[k] += jacobian_[i * nv_ + k] * forces[i];
+    for (const Span &span : spansOf(i))
+      for (int k = span.begin; k < span.end; ++k)
+        target[k] += jacobian_[i * nv_ + k] * forces[i];
 }
 
 }  // namespace tf::runtime

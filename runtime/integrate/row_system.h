@@ -10,6 +10,7 @@
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/tangent_roles.h"
 
+#include <span>
 #include <vector>
 
 namespace tf::runtime {
@@ -46,11 +47,9 @@ public:
   void addForces(const double *forces, double *target) const;
   // J_i · x
   [[nodiscard]] double product(int row, const double *x) const {
-    if (nv_ <= narrow)
-      return dot(jacobian(row), x, nv_);
     double sum = 0;
-    for (int k = firstSpan_[row]; k < firstSpan_[row + 1]; ++k)
-      sum += dot(jacobian(row) + spans_[k].begin, x + spans_[k].begin, spans_[k].end - spans_[k].begin);
+    for (const Span &span : spansOf(row))
+      sum += dot(jacobian(row) + span.begin, x + span.begin, span.end - span.begin);
     return sum;
   }
   // The velocity terms of the row's acceleration (normalBias, tangentBias) at the evaluation's point.
@@ -105,11 +104,14 @@ private:
     std::vector<double> half, scaled;
   };
 
-  // Columns outside which, together, a row of J is zero; of a contact between two bodies those of their coordinates.
+  // Columns of a row of J; outside all of its spans it is zero. Of a contact between two bodies they are those of their coordinates.
   struct Span {
     int begin = 0, end = 0;
   };
 
+  [[nodiscard]] std::span<const Span> spansOf(int row) const {
+    return {spans_.data() + firstSpan_[row], spans_.data() + firstSpan_[row + 1]};
+  }
   void findSpans(int row);
   void prepareTwins();
   void findTwin(int i);
@@ -131,8 +133,7 @@ private:
   std::vector<double> jacobian_;          // count × nv, row-major
   std::vector<double> half_, scaled_;     // Zᵀ and Zᵀ Δ⁻¹, alike; undefined on blocks that the row does not move
   std::vector<std::vector<Part>> parts_;  // of blocks, rows ascending
-  std::vector<int> begin_, end_;          // columns of J's rows outside which all is zero
-  std::vector<Span> spans_;               // row by row, ascending; only where rows are not read as a whole
+  std::vector<Span> spans_;               // row by row, ascending; all columns of rows that are read as a whole
   std::vector<int> firstSpan_;            // count + 1
   bool hasTwins_ = false;                 // rows gathered last are equal to others
   std::vector<int> twin_;                 // of a row: the first row that is equal to it
