@@ -14,6 +14,8 @@ namespace {
 
 // Gaps of contacts that graze may be below zero by this, times the gap's scale: rounding; and of those that no impulse can part.
 constexpr double deepestGrazing = 1e-12, deepestJam = 1e-10;
+// Higher gaps, times the gap's scale, are no rounding.
+constexpr double lowestHop = 1e-12;
 
 }  // namespace
 
@@ -30,8 +32,8 @@ void ModeSelection::findTouching(double time, const double *state) {
   listTouching(state);
 }
 
-// Gaps have been evaluated at the state.
-void ModeSelection::listTouching(const double *state) {
+// Gaps have been evaluated at the state. Contacts that are open in `hopping` have closed only where their gaps are zero but for rounding.
+void ModeSelection::listTouching(const double *state, const Mode *hopping) {
   const tf_model &model = at_.model();
   touching_.clear();
   approaching_.clear();
@@ -41,7 +43,8 @@ void ModeSelection::listTouching(const double *state) {
       grazingSpeed_[i] = 0;
   grazes_ = grazes_ && std::any_of(grazingSpeed_.begin(), grazingSpeed_.end(), [](double speed) { return speed != 0; });
   forEachSet(at_.screen().awake(), model.nc, [&](int i) {
-    if (at_.gap[i] <= closedGap(i, state))
+    const bool hops = hopping != nullptr && hopping->closed[i] == 0 && at_.gap[i] > lowestHop * at_.scales.gap(i, state);
+    if (at_.gap[i] <= closedGap(i, state) && !hops)
       touching_.push_back(i);
   });
   if (touching_.empty())
@@ -502,7 +505,7 @@ const Selection &ModeSelection::select(double time, const double *state, const M
     result.text = std::move(text);
     return result;
   }
-  listTouching(state);
+  listTouching(state, hint.keepsOpen ? &previous : nullptr);
   if (!approaching_.empty()) {
     result.status = SelectionStatus::Impact;
     return result;

@@ -33,11 +33,13 @@ struct Selection {
 };
 
 // What an event says: a switch has just left its sliding mode on this side, or the normal force of a contact is zero, which the solution of
-// an ill-conditioned contact problem would show as far as its error only.
+// an ill-conditioned contact problem would show as far as its error only, or no gap has come to zero, so that open contacts are in a hop,
+// however low.
 struct EventHint {
   int leavingSwitch = -1;
   Switch side = Switch::Zero;
   int forceless = -1;  // contact
+  bool keepsOpen = false;
 };
 
 class ModeSelection {
@@ -94,7 +96,7 @@ private:
     void add(Switch value) { values[count++] = value; }
   };
 
-  void listTouching(const double *state);
+  void listTouching(const double *state, const Mode *hopping = nullptr);
   void removeGrazing(const double *state);
   void startInertSlips(const double *state);
   Trial tryAssignments(double time, const double *state);

@@ -29,21 +29,15 @@ constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left: no usual coefficient of restitution, or rounding would decide.
 constexpr double nextShare = 0.51, leastChange = 0.75;
 
-// Weights that extrapolate values at x to 0, for the powers 1, x², x³, …
-Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) {
-  const Eigen::Index m = x.size();
-  Eigen::MatrixXd powers(m, m);
-  for (Eigen::Index k = 0; k < m; ++k)
-    for (Eigen::Index e = 0; e < m; ++e)
-      powers(e, k) = e == 0 ? 1 : std::pow(x(k) / x(0), static_cast<double>(e + 1));
-  return powers.fullPivLu().solve(Eigen::VectorXd::Unit(m, 0));
+bool anyOf(const std::vector<std::uint8_t> &flags) {
+  return std::any_of(flags.begin(), flags.end(), [](std::uint8_t flag) { return flag != 0; });
 }
 
 }  // namespace
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv),
+      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), changed_(at_.model().ns), alternates_(at_.model().ns), change_(at_.model().nv), moment_(at_.model().nv),
       reach_(at_.model(), at_.scales), owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
   reset(0);
 }
@@ -67,6 +61,8 @@ void RestPrediction::restart() {
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
   std::fill(lastTime_.begin(), lastTime_.end(), lastImpact_);
   std::fill(lowUntil_.begin(), lowUntil_.end(), lastImpact_);
+  std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+  std::fill(alternates_.begin(), alternates_.end(), std::uint8_t{0});
   wait_ = shortestWait;
   pause_ = passed_ = 0;
 }
@@ -83,6 +79,17 @@ void RestPrediction::read(const double *numbers) {
   impacts_ = numbers[fastest_.size()];
   begin_ = numbers[fastest_.size() + 1];
   restart();
+}
+
+// Weights that extrapolate values at x to 0, for the powers 1, x², x³, …, and x where switches change on the way.
+Eigen::VectorXd RestPrediction::extrapolationWeights(const Eigen::VectorXd &x) const {
+  const Eigen::Index m = x.size();
+  const double first = anyOf(alternates_) ? 1 : 2;
+  Eigen::MatrixXd powers(m, m);
+  for (Eigen::Index k = 0; k < m; ++k)
+    for (Eigen::Index e = 0; e < m; ++e)
+      powers(e, k) = e == 0 ? 1 : std::pow(x(k) / x(0), first + static_cast<double>(e - 1));
+  return powers.fullPivLu().solve(Eigen::VectorXd::Unit(m, 0));
 }
 
 // False where it is too early for a prediction.
@@ -409,6 +416,8 @@ void RestPrediction::add(Prediction prediction) {
   if (predictions_.size() == mostPredictions)
     predictions_.erase(predictions_.begin());
   predictions_.push_back(std::move(prediction));
+  std::swap(alternates_, changed_);
+  std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
 }
 
 // Times are as exact as a part of the run, and of some times the impacts' duration.
@@ -520,7 +529,7 @@ bool RestPrediction::isSlow() const {
                      [this](int i) { return last_[i] > 0 && last_[i] <= slow * fastest_[i]; });
 }
 
-// No other contact has closed and no switch has changed at the point.
+// No other contact has closed and no switch has changed at the point, but for those that do on the way again and again.
 bool RestPrediction::nothingElseHappens() {
   const tf_model &model = at_.model();
   at_.setPoint(point_.time, point_.state.data());
@@ -529,7 +538,7 @@ bool RestPrediction::nothingElseHappens() {
     if (!std::binary_search(point_.contacts.begin(), point_.contacts.end(), i) && !dynamics_.mode().closed[i] && at_.gap[i] < 0)
       return false;
   for (int j = 0; j < model.ns; ++j)
-    if (const Switch side = dynamics_.mode().switches[j]; side != Switch::Sliding && (at_.condition[j] > 0) != (side == Switch::One))
+    if (const Switch side = dynamics_.mode().switches[j]; side != Switch::Sliding && alternates_[j] == 0 && (at_.condition[j] > 0) != (side == Switch::One))
       return false;
   return true;
 }
@@ -555,7 +564,14 @@ const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Appr
   prediction.totals.resize(accumulated.size());
   std::ranges::transform(accumulated, prediction.point.accumulated, prediction.totals.begin(), std::plus());
   wait_ = shortestWait;
-  nextAttempt_ = time + (1 - nextShare) * prediction.remaining;
+  // Where switches change on the way, as many times less time may be left as the prediction is wrong by.
+  const bool alternates = anyOf(alternates_) || anyOf(changed_);
+  nextAttempt_ = alternates ? time : time + (1 - nextShare) * prediction.remaining;
+  if (alternates && !predictions_.empty()) {
+    const double last = predictions_.back().remaining;
+    if (prediction.remaining > leastChange * last && prediction.remaining <= last)
+      return nullptr;
+  }
   // Times are resolved to rounding, and speeds with them: those of so many impacts as are about the size of those that come add up like a
   // random walk, and the time that is left is their number times that between two.
   const double number = prediction.remaining / (time - previousImpact);

@@ -3,11 +3,14 @@
 // After an impact the rest of the sequence is followed with the coefficients of that instant (ImpactSequence). The point so found is wrong
 // by O(T²), T the time that is left, with an expansion in powers of T: points predicted while T halves again and again are extrapolated to
 // T = 0 (Richardson), and the difference of successive extrapolations tells when that is accurate enough to take the step to the point.
+// Where switches change to and fro on the way, as with the sign of a velocity, the point is wrong by O(T), with as regular an expansion.
 #pragma once
 
 #include "runtime/contact/impact_sequence.h"
 #include "runtime/simulate/mode_selection.h"
 #include "runtime/simulate/sensitivities.h"
+
+#include <Eigen/Core>
 
 #include <vector>
 
@@ -50,6 +53,8 @@ public:
 
   // The last impact of a contact was slow, compared with its fastest one, and its next one is still to be expected.
   [[nodiscard]] bool bouncesLow(double time) const;
+  // A switch has changed its side.
+  void recordSwitch(int index) { changed_[index] = 1; }
   // These contacts have come to rest.
   void endBounces(const std::vector<int> &contacts);
 
@@ -67,6 +72,7 @@ private:
   };
 
   void forget();
+  [[nodiscard]] Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) const;
   bool recordImpact(double time, const std::vector<Approach> &approaches);
   void chooseContacts(double time, const double *state);
   bool addReachable(double time, const double *state, const RestPoint &end);
@@ -107,6 +113,8 @@ private:
   std::vector<double> extrapolated_;            // its state and time; empty where there is none
   std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
   std::vector<double> lastTime_, lowUntil_;     // nc: of their last impact, and when its low bounces are over
+  std::vector<std::uint8_t> changed_;           // ns: since the latest prediction
+  std::vector<std::uint8_t> alternates_;        // ns: between the two latest predictions
   double impacts_ = 0;                          // number
   double begin_ = 0, firstImpact_ = 0;          // times: of the run, and since restart()
   double lastImpact_ = 0, nextAttempt_ = 0;     // times

@@ -19,8 +19,8 @@ void Simulation::Implementation::readApproaches() {
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, EventHint hint) {
   approaches_.clear();
-  // An impulse, which makes another pass, makes another normal force.
-  for (int pass = 0; pass < 50; ++pass, hint.forceless = -1) {
+  // An impulse, which makes another pass, makes another normal force, and touching contacts move.
+  for (int pass = 0; pass < 50; ++pass, hint.forceless = -1, hint.keepsOpen = false) {
     const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
     switch (selection.status) {
@@ -128,7 +128,9 @@ tf_status Simulation::Implementation::timeEvent() {
     suggestedStep_ = 0;
   std::vector<Transition> &transitions = beginTransitions();
   transitions.push_back({TF_EVENT_TIME, -1});
-  if (const tf_status status = settle(transitions); status != TF_OK)
+  EventHint hint;
+  hint.keepsOpen = true;
+  if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
   report(transitions);
   return TF_OK;
@@ -316,7 +318,9 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
     hint = {guard.index, guard.sign > 0 ? Switch::Zero : Switch::One};
     switchTime_ = time_;
     switchProgress_.changed(guard.index, time_);
+    rest_.recordSwitch(guard.index);
   }
+  hint.keepsOpen = guard.kind != GuardKind::Gap;
   std::vector<Transition> &transitions = beginTransitions();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;

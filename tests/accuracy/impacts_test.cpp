@@ -40,6 +40,56 @@ TEST(Impacts, BouncingBallRestsWhereItsBouncesAccumulate) {
     }
 }
 
+// Forces that change with the sign of the velocity change in each bounce, up to infinitely often. The fall lasts 1/2, the ball arrives with
+// 4; each flight loses speed by the ratio e sqrt(2/3).
+TEST(Impacts, BouncesAccumulateThroughSwitchesOfTheVelocity) {
+  const std::string file = sourceFile("dragged_ball.tf", R"(model Dragged "a ball in air that drags with a constant force"
+  parameter Real e = 0.8;
+  coordinate Real y(start = 1);
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -10});
+  force drag(value = if der(y) > 0 then -2 else 2, at = y);
+  contact f(gap = y, restitution = e);
+  Real up(start = 0);
+equation
+  der(up) = if der(y) > 0 then 1 else 0;
+end Dragged;
+)");
+  for (const tf_integrator integrator : kIntegrators)
+    for (const double e : {0.3, 0.8, 0.95})
+      for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+        const double ratio = e * std::sqrt(2.0 / 3), up = 4 * e / 12 / (1 - ratio), down = 4 * e / std::sqrt(96) / (1 - ratio);
+        CompiledModel model(file, {{"e", e}});
+        model.tolerance(tolerance).integrator(integrator).initialise();
+        model.advance(20);
+        const double accepted = integrator == TF_CVODE ? 10 * tolerance * 20 : tolerance * 1e-3;
+        EXPECT_NEAR(model.eventTime(TF_EVENT_REST), 0.5 + up + down, accepted) << integrator << " " << e << " " << tolerance;
+        EXPECT_NEAR(model["up"], up, accepted) << integrator << " " << e << " " << tolerance;
+        EXPECT_EQ(model["y"], 0.0);
+      }
+}
+
+// At the top of a hop of 45 pm nothing moves, and at an event there the contact is still open.
+TEST(Impacts, LowestHopsAreNoRestAtTheEventsOfOthers) {
+  const std::string file = sourceFile("low_hop.tf", R"(model Hop
+  coordinate Real y(start = 0);
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -10});
+  contact f(gap = y);
+  Real up(start = 0);
+equation
+  der(up) = if der(y) > 0 then 1 else 0;
+end Hop;
+)");
+  for (const tf_integrator integrator : {TF_STEP, TF_EXPLICIT, TF_AUTO}) {
+    CompiledModel model(file, {{"der(y)", 3e-5}});
+    model.tolerance(1e-10).integrator(integrator).initialise();
+    model.advance(1);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), 6e-6, 1e-10) << integrator;
+    EXPECT_NEAR(model["up"], 3e-6, 1e-10) << integrator;
+  }
+}
+
 TEST(Impacts, RestIsKnownWhateverTheOutputIs) {
   const double end = std::sqrt(2 / g) * 1.8 / 0.2;
   for (const double interval : {10.0, 0.3, 0.01, 1e-3}) {
