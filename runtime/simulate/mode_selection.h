@@ -33,8 +33,8 @@ struct Selection {
 };
 
 // What an event says: a switch has just left its sliding mode on this side, or the normal force of a contact is zero, which the solution of
-// an ill-conditioned contact problem would show as far as its error only, or no gap has come to zero, so that open contacts are in a hop,
-// however low.
+// an ill-conditioned contact problem would show as far as its error only, or it is not an event of contacts, so that those which are open
+// are in a hop, however low.
 struct EventHint {
   int leavingSwitch = -1;
   Switch side = Switch::Zero;

@@ -310,7 +310,8 @@ bool Simulation::Implementation::switchesFaintly(int j) {
 // The guard is zero at (time_, state_); `stopped` is the first tangential row of a slip of two components that has stopped, else −1.
 tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped, double limit) {
   EventHint hint;
-  if (guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh)
+  const bool isStep = guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh;
+  if (isStep)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};
   if (guard.kind == GuardKind::Force)
     hint.forceless = dynamics_.contactOfMargin(guard.index);
@@ -320,7 +321,7 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
     switchProgress_.changed(guard.index, time_);
     rest_.recordSwitch(guard.index);
   }
-  hint.keepsOpen = guard.kind != GuardKind::Gap;
+  hint.keepsOpen = isStep || guard.kind == GuardKind::Condition;
   std::vector<Transition> &transitions = beginTransitions();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
