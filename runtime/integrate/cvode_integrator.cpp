@@ -63,7 +63,7 @@ int projectState(realtype time, N_Vector state, N_Vector correction, realtype /*
   const int n = problem->dynamics->size();
   double *moved = problem->rate.data();
   std::copy_n(N_VGetArrayPointer(state), n, moved);
-  problem->correction = std::max(problem->correction, problem->dynamics->project(moved, problem->scale));
+  problem->correction = std::max(problem->correction, problem->dynamics->project(time, moved, problem->scale));
   for (int i = 0; i < n; ++i)
     N_VGetArrayPointer(correction)[i] = moved[i] - N_VGetArrayPointer(state)[i];
   return 0;

@@ -400,7 +400,7 @@ bool ModeDynamics::evaluateProjected(double time, double *state, double *rate, c
   // Newton's method with rows of nearby: what it leaves of the velocities is the product of the correction and of the change of the rows,
   // which is small too.
   constexpr double converged = 1e-9;
-  const double correction = projection_.project(state, scale, nothingStops_.data());
+  const double correction = projection_.project(time, state, scale, nothingStops_.data());
   if (!evaluate(time, state, rate))
     return false;
   correction_ = correction;
@@ -535,7 +535,7 @@ void ModeDynamics::continueSlips(double duration, double *state, const double *s
       wanted[row] = rememberedSlip_[row] + duration * slipRate_[row];
   }
   completeRows();
-  projection_.project(state, scale, stops_.data(), wanted.data());
+  projection_.project(at_.time(), state, scale, stops_.data(), wanted.data());
 }
 
 double ModeDynamics::turnToFriction(double time, const double *state) {

@@ -165,14 +165,14 @@ public:
   // The mode's start has been projected to the point of the last evaluation (ModeForces).
   void acceptContradiction();
 
-  // Projects (q, v) of `state`, the last evaluation's point, onto what the mode holds at zero (see Projection). Returns the size of the
-  // correction relative to `scale` [n].
-  double project(double *state, const double *scale) {
+  // Projects (q, v) of the state at `time`, the last evaluation's point or near it, onto what the mode holds at zero (see Projection).
+  // Returns the size of the correction relative to `scale` [n].
+  double project(double time, double *state, const double *scale) {
     if (!projection_.isNeeded() || (isProjected_ && std::equal(projected_.begin(), projected_.end(), state)))
       return 0;
     if (!isSmall_)
       completeRows();
-    return projection_.project(state, scale, nothingStops_.data());
+    return projection_.project(time, state, scale, nothingStops_.data());
   }
   // As `evaluate`, at the projection of a state near the last evaluation's point at the same time, with the rows of that point; where this
   // costs more than it saves, at the state itself.
@@ -181,7 +181,7 @@ public:
   [[nodiscard]] double correction() const { return correction_; }
   // As well; the slip of the SlipAlong guard `stopped` becomes zero too, and so do all others of two components that are not faster than
   // `part` of their scale: slips of one body stop together.
-  double projectStop(double *state, const double *scale, int stopped, double part);
+  double projectStop(double time, double *state, const double *scale, int stopped, double part);
   [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
   // Adds to the velocities of (time, state) what the mode's impulses do that take gap rates and slips of its active rows to zero, with the
   // friction of rows that slip: a motion that came to rest a little off another one, for derivatives of it.

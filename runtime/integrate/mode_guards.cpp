@@ -213,15 +213,15 @@ void ModeDynamics::switchingValues(std::span<const int> guards, double *values, 
   }
 }
 
-double ModeDynamics::projectStop(double *state, const double *scale, int stopped, double part) {
+double ModeDynamics::projectStop(double time, double *state, const double *scale, int stopped, double part) {
   completeRows();
-  at_.setPoint(at_.time(), state);
+  at_.setPoint(time, state);
   at_.switching(ModelEvaluation::Slips);
   stops_ = nothingStops_;
   for (int pair = 0; pair < slips_.count(); ++pair)
     if (pair == guards_[stopped].index || slips_.speed(pair) <= part * slips_.scale(pair))
       stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
-  return projection_.project(state, scale, stops_.data());
+  return projection_.project(time, state, scale, stops_.data());
 }
 
 bool ModeDynamics::rechoose(int guard) {

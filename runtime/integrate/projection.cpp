@@ -166,11 +166,11 @@ void Projection::projectVelocities(double *velocities, const std::uint8_t *stopp
     velocities[i] += change_[i];
 }
 
-double Projection::project(double *state, const double *scale, const std::uint8_t *stopped, const double *slips) {
+double Projection::project(double time, double *state, const double *scale, const std::uint8_t *stopped, const double *slips) {
   if (!isNeeded())
     return 0;
   const tf_model &model = at_.model();
-  at_.setPoint(at_.time(), state);
+  at_.setPoint(time, state);
   factored_.clear();
   std::copy_n(state, model.nq + model.nv, before_.begin());
   const bool hasGapRates = projectCoordinates(state);

@@ -22,10 +22,11 @@ public:
   void resize();
   void use(const FoldedForces *forces) { forces_ = forces; }
   [[nodiscard]] bool isNeeded() const;
-  // Moves (q, v) of `state`, which is the point of the latest evaluation or near it, onto gap = 0, gap rate = 0 and slip = 0 where
-  // problem.slipSign is 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length. The slips that
-  // rows get can be given, one for each tangential row of the model. Returns the size of the correction relative to `scale` [n].
-  double project(double *state, const double *scale, const std::uint8_t *stopped, const double *slips = nullptr);
+  // Moves (q, v) of the state at `time`, with the rows of the latest evaluation, which was there or nearby, onto gap = 0, gap rate = 0 and
+  // slip = 0 where problem.slipSign is 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length.
+  // The slips that rows get can be given, one for each tangential row of the model. Returns the size of the correction relative to `scale`
+  // [n].
+  double project(double time, double *state, const double *scale, const std::uint8_t *stopped, const double *slips = nullptr);
 
 private:
   void correct(double *target);

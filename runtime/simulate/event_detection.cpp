@@ -100,6 +100,20 @@ double EventDetection::hop(int guard, double time, double gap, double rate) cons
   return std::abs(height) <= lowest && std::abs(integral) <= 10 * lowest ? base + integral : gap;
 }
 
+void EventDetection::arm(int guard) {
+  if (starts_[guard].armed == Arming::ByValue)
+    return;
+  armedNow_.emplace_back(guard, starts_[guard].armed);
+  starts_[guard].armed = Arming::ByValue;
+}
+
+// The step is to end with this guard: where the others have been positive may be later.
+void EventDetection::disarmOthers(int guard) {
+  for (const auto &[k, armed] : armedNow_)
+    if (k != guard)
+      starts_[k].armed = armed;
+}
+
 void EventDetection::readGuards(double time, Sample &sample) {
   sample.time = time;
   sample.value.resize(dynamics_.guards().size());
@@ -441,7 +455,7 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool withForc
     if ((!withForces && isForceGuard(dynamics_.guards()[k].kind)) || isSampled(k))
       continue;
     if (a.value[k] > threshold(k))
-      starts_[k].armed = Arming::ByValue;
+      arm(k);
     if (b.value[k] < level(k))
       bracket(k, a, b, first);
     dips = dips || mayDip(k, a, b);
@@ -551,6 +565,7 @@ DetectedEvent EventDetection::detect() {
 DetectedEvent EventDetection::search() {
   DetectedEvent first;
   first_.time = std::numeric_limits<double>::quiet_NaN();
+  armedNow_.clear();
   // The dynamics' last evaluation is at the end of the step.
   readEnd(end_);
   samplesVarying_ = samplesVarying();
@@ -580,6 +595,8 @@ DetectedEvent EventDetection::search() {
   }
   if (samplesVarying_)
     examineVarying(first);
+  if (first.guard >= 0)
+    disarmOthers(first.guard);
   return first;
 }
 

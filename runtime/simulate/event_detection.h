@@ -6,6 +6,7 @@
 
 #include <array>
 #include <limits>
+#include <utility>
 #include <vector>
 
 namespace tf::runtime {
@@ -147,8 +148,12 @@ private:
   };
   // Of a gap that was asleep before.
   [[nodiscard]] static Start openStart(double time) { return {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0}; }
-  std::vector<Start> starts_, resumed_;  // of the guards in awake_
-  std::vector<int> awake_, previous_;    // guards whose contacts are awake (GapScreen), and all others; ascending
+  // The guard has been clearly positive, at a time of the step.
+  void arm(int guard);
+  void disarmOthers(int guard);
+  std::vector<Start> starts_, resumed_;           // of the guards in awake_
+  std::vector<std::pair<int, Arming>> armedNow_;  // in the search, and how they were before
+  std::vector<int> awake_, previous_;             // guards whose contacts are awake (GapScreen), and all others; ascending
   long long awakeRevision_ = -1;
   bool needsForces_ = false;
   bool hasDifferences_ = false;  // guards whose rates at the ends of steps are differences
@@ -159,6 +164,7 @@ private:
   double probeStep_ = 0;         // of differences of guards
   int divisions_ = 0;            // of the step, for one guard
   bool wasPositive_ = false;     // that guard, before the step
+  bool rises_ = false;           // it has been found clearly positive in the step
   double limit_ = 0;             // later zeros are not looked for
   bool watched_ = false;         // a gap has not left zero yet
   bool cut_ = false;             // see isCut

@@ -28,7 +28,7 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
     if (!integrator_->shorten(x))
       return Location::Unsolved;
     // The guard is zero where the event's state will be: on the closed contacts.
-    const double correction = dynamics_.project(integrator_->end(), integrator_->settings().scale.data());
+    const double correction = dynamics_.project(x, integrator_->end(), integrator_->settings().scale.data());
     double value = guardHere(guard, x) - zero;
     // Stiff forces may be quite other ones there.
     const double near = std::max(effect * clearly, -slope * integrator_->reach() * (x - begin));

@@ -67,7 +67,8 @@ void EventDetection::examineVarying(DetectedEvent &first) {
       continue;
     DetectedEvent own;
     divisions_ = 0;
-    wasPositive_ = starts_[guard].armed == Arming::ByValue;
+    wasPositive_ = starts_[guard].armed != Arming::Not;
+    rises_ = false;
     limit_ = first.guard >= 0 ? first.time : std::numeric_limits<double>::infinity();
     const Probe a = probe(guard, begin_.time), b = probe(guard, end_.time);
     divide(guard, a, b, std::numeric_limits<double>::infinity(), 0, own);
@@ -94,13 +95,15 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
   const bool isResolved = misfit <= 0.02 * reach;
   const bool isFinest = depth >= deepest || ++divisions_ > mostDivisions;
   const double leave = threshold(guard);
-  if (std::max(a.value, inside.value) > leave)
-    starts_[guard].armed = Arming::ByValue;
+  rises_ = rises_ || std::max(a.value, inside.value) > leave;
   for (const auto &[low, high] : {std::pair{&a, &inside}, std::pair{&inside, &b}}) {
     if (low->time >= limit_)
       return;
     const CubicHermite part{low->value, low->rate, high->value, high->rate, high->time - low->time};
     const double interior = part.interiorMinimum(), lowest = std::min({low->value, high->value, interior});
+    // What comes later says nothing about the guard's start.
+    if (low->value > leave)
+      arm(guard);
     const double zero = level(guard);
     // From a zero the guard must rise.
     const double least = std::abs(low->value) <= leave && low->rate > 0 ? part.leastSecant() : lowest - zero;
@@ -108,10 +111,13 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
       continue;
     // Below zero, if the guard has been positive, as it may have been before the step, which may begin within rounding of the zero; else
     // clearly.
-    const bool comesFromAbove = zero < 0 || low->value > leave || wasPositive_;
+    const bool comesFromAbove = (zero < 0 && !rises_) || low->value > leave || wasPositive_;
     const bool falls = high->value < zero && (comesFromAbove || high->value < -leave);
-    const bool isOnlyZero = isResolved && low->value > 0.1 * part.length * low->rate &&
-                            error <= 0.1 * std::max(std::abs(low->value), std::abs(high->value)) && comesFromAbove && !(interior < zero);
+    const bool isExact = isResolved && error <= 0.1 * std::max(std::abs(low->value), std::abs(high->value));
+    const bool isPositive = low->value > 0.1 * part.length * low->rate && !(interior < zero);
+    // A gap that opens at a speed and has returned, from however low a hop.
+    const bool isHop = starts_[guard].armed == Arming::BySpeed && low->time == starts_[guard].time && low->rate > 0;
+    const bool isOnlyZero = isExact && ((isPositive && comesFromAbove) || isHop);
     if (falls && (isOnlyZero || isFinest)) {
       bracketProbes(guard, *low, *high, first);
       return;

@@ -37,8 +37,9 @@ bool anyOf(const std::vector<std::uint8_t> &flags) {
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), changed_(at_.model().ns), alternates_(at_.model().ns), change_(at_.model().nv), moment_(at_.model().nv),
-      reach_(at_.model(), at_.scales), owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
+      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), changed_(at_.model().ns), alternates_(at_.model().ns), change_(at_.model().nv),
+      moment_(at_.model().nv), reach_(at_.model(), at_.scales), owner_(contactsOfTangents(at_.model())),
+      roles_(rolesOfTangents(at_.model())) {
   reset(0);
 }
 
@@ -538,7 +539,8 @@ bool RestPrediction::nothingElseHappens() {
     if (!std::binary_search(point_.contacts.begin(), point_.contacts.end(), i) && !dynamics_.mode().closed[i] && at_.gap[i] < 0)
       return false;
   for (int j = 0; j < model.ns; ++j)
-    if (const Switch side = dynamics_.mode().switches[j]; side != Switch::Sliding && alternates_[j] == 0 && (at_.condition[j] > 0) != (side == Switch::One))
+    if (const Switch side = dynamics_.mode().switches[j];
+        side != Switch::Sliding && alternates_[j] == 0 && (at_.condition[j] > 0) != (side == Switch::One))
       return false;
   return true;
 }

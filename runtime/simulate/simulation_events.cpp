@@ -55,7 +55,7 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
   // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
   constexpr double rounding = 1e-14;
-  if (dynamics_.project(state_.data(), integrators_.current().settings().scale.data()) > rounding) {
+  if (dynamics_.project(time_, state_.data(), integrators_.current().settings().scale.data()) > rounding) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     dynamics_.acceptContradiction();
@@ -157,7 +157,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
   if (stops)
-    dynamics_.projectStop(integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
+    dynamics_.projectStop(integrator.endTime(), integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
   else if (const tf_status status = projectEnd(); status != TF_OK)
     return status;
   // Each time the projection moves the gap by less, by orders of magnitude.

@@ -87,7 +87,7 @@ double Simulation::Implementation::projectOnto(const Mode &mode, double time, do
   for (int pass = 0; pass < mostPasses && correction > rounding; ++pass) {
     if (!dynamics_.hold(mode, time, state))
       return std::numeric_limits<double>::infinity();
-    correction = dynamics_.project(state, scale);
+    correction = dynamics_.project(time, state, scale);
   }
   return correction;
 }

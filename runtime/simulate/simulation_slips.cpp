@@ -76,7 +76,7 @@ tf_status Simulation::Implementation::stopLingering(int guard, double limit) {
     return failWithoutProgress();
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  dynamics_.projectStop(state_.data(), integrators_.current().settings().scale.data(), guard, lingeringSpeed());
+  dynamics_.projectStop(time_, state_.data(), integrators_.current().settings().scale.data(), guard, lingeringSpeed());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
   beginEvent();

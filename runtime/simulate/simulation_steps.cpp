@@ -24,7 +24,7 @@ tf_status Simulation::Implementation::projectEnd() {
   double way = 0, left = 1;
   for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
     const double before = integrator.correction();
-    const double correction = dynamics_.project(integrator.end(), integrator.settings().scale.data());
+    const double correction = dynamics_.project(integrator.endTime(), integrator.end(), integrator.settings().scale.data());
     if (pass == 0 && isSuspicious(std::max(before, correction)))
       if (const tf_status status = checkJump(); status != TF_OK)
         return status;

@@ -151,5 +151,88 @@ end QuarterCar;
   }
 }
 
+// A box falls on a plane that turns, with two corners: gaps that depend on time. In the frame of the plane they do not, and the box has the
+// forces of that frame.
+TEST(MovingBoundaries, ABoxFallsOnATurningPlane) {
+  const std::string corners = R"(
+  Real c[2, 2] = {r + {-0.2*cos(p) - s*0.1*sin(p), -0.2*sin(p) + s*0.1*cos(p)} for s in {-1, 1}};
+)";
+  const std::string moving = sourceFile("box_on_turning_plane.tf", R"(
+model TurningPlane
+  parameter Real O, e, mu, p0;
+  coordinate Real r[2], p(start = p0);
+  body b(mass = 1, position = r, angle = p, inertia = 0.05/3);
+  gravity g(acceleration = {0, -9.81});)" + corners + R"(
+  Real a = O*time + 2;
+  contact w[2](gap = {0.6 + c[i, 1]*sin(a) - c[i, 2]*cos(a) for i in 1:2},
+    slip = {der(c[i, 1])*cos(a) + der(c[i, 2])*sin(a) + O*(c[i, 2]*cos(a) - c[i, 1]*sin(a)) for i in 1:2},
+    each friction = mu, each restitution = e);
+end TurningPlane;
+)");
+  const std::string fixed = sourceFile("box_in_turning_frame.tf", R"(
+model TurningFrame
+  parameter Real O, e, mu, p0;
+  coordinate Real r[2], p(start = p0 - 2, der(start = -O));
+  body b(mass = 1, position = r, angle = p, inertia = 0.05/3);
+  Real a = O*time + 2;
+  force along(value = -9.81*sin(a) + 2*O*der(r[2]) + O^2*r[1], at = r[1]);
+  force across(value = -9.81*cos(a) - 2*O*der(r[1]) + O^2*r[2], at = r[2]);)" +
+                                                                      corners + R"(
+  contact w[2](gap = {0.6 - c[i, 2] for i in 1:2}, slip = {der(c[i, 1]) for i in 1:2}, each friction = mu, each restitution = e);
+end TurningFrame;
+)");
+  const Settings all[] = {{{"mu", 0.2}, {"p0", 0.3}, {"O", 1}, {"e", 0.2}},
+                          {{"mu", 0.072}, {"p0", -0.204}, {"O", 1.474}, {"e", 0.059}},
+                          {{"mu", 0.234}, {"p0", 0.096}, {"O", 0.868}, {"e", 0.513}},
+                          {{"mu", 0.313}, {"p0", 0.06}, {"O", 0.618}, {"e", 0.241}}};
+  for (const Settings &settings : all) {
+    CompiledModel inFrame(fixed, settings);
+    inFrame.tolerance(1e-11).run(1.5);
+    const double a = settings[2].second * 1.5 + 2, x = inFrame["r[1]"], y = inFrame["r[2]"];
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-3, 1e-5, 1e-7, 1e-9}) {
+        SCOPED_TRACE("integrator " + std::to_string(integrator) + ", " + std::to_string(tolerance) + ", mu " +
+                     std::to_string(settings[0].second));
+        CompiledModel model(moving, settings);
+        model.tolerance(tolerance).integrator(integrator).run(1.5);
+        const double accepted = 10 * tolerance;
+        EXPECT_NEAR(model["r[1]"], x * std::cos(a) - y * std::sin(a), accepted);
+        EXPECT_NEAR(model["r[2]"], x * std::sin(a) + y * std::cos(a), accepted);
+        EXPECT_NEAR(model["p"], inFrame["p"] + a, accepted);
+        EXPECT_LT(model.events().size(), 1000U);
+      }
+  }
+}
+
+// A box tumbles in a drum of six walls: where it sticks to two of them a corner hits the one, and positions are corrected at the event's
+// time.
+TEST(MovingBoundaries, ABoxTumblesInADrum) {
+  const std::string file = sourceFile("box_in_drum.tf", R"(
+model Drum
+  coordinate Real r[2], p(start = 0.3);
+  parameter Real c[4, 2] = {{-0.2, -0.1}, {0.2, -0.1}, {0.2, 0.1}, {-0.2, 0.1}};
+  body b(mass = 1, position = r, angle = p, inertia = 0.05/3);
+  gravity g(acceleration = {0, -9.81});
+  Real k[4, 2] = {r + {c[i, 1]*cos(p) - c[i, 2]*sin(p), c[i, 1]*sin(p) + c[i, 2]*cos(p)} for i in 1:4};
+  Real a[6] = {time + j*3.14159265358979/3 for j in 1:6};
+  contact w[6, 4](gap = {{0.6 + k[i, 1]*sin(a[j]) - k[i, 2]*cos(a[j]) for i in 1:4} for j in 1:6},
+    slip = {{der(k[i, 1])*cos(a[j]) + der(k[i, 2])*sin(a[j]) + k[i, 2]*cos(a[j]) - k[i, 1]*sin(a[j]) for i in 1:4} for j in 1:6},
+    each friction = 0.4, each restitution = 0.2);
+end Drum;
+)");
+  CompiledModel best(file);
+  best.tolerance(1e-11).run(4);
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT})
+    for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-6, 1e-8}) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", " + std::to_string(tolerance));
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator);
+      run(model, 4);
+      for (const char *name : {"r[1]", "r[2]", "p"})
+        EXPECT_NEAR(model[name], best[name], 10 * tolerance) << name;
+      EXPECT_GE(tf_get_statistics(model.simulation())->worst_gap, -1e-10);
+    }
+}
+
 }  // namespace
 }  // namespace tf::test

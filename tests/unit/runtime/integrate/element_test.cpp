@@ -136,7 +136,7 @@ TEST(ModeDynamicsTest, ProjectionReturnsToTheContact) {
   state[1] += 1e-7;
   state[4] -= 1e-7;
   ASSERT_TRUE(box.dynamics.evaluate(0, state.data(), rate.data()));
-  EXPECT_GT(box.dynamics.project(state.data(), scale.data()), 1e-8);
+  EXPECT_GT(box.dynamics.project(0, state.data(), scale.data()), 1e-8);
   box.at.setPoint(0, state.data());
   box.at.switching();
   EXPECT_NEAR(box.at.gap[0], 0, 1e-13);

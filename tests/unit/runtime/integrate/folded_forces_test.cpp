@@ -103,7 +103,7 @@ TEST(FoldedForces, ProjectionsAreThoseOfAllRows) {
     moved[4] -= 1e-7;
     ASSERT_TRUE(box.dynamics.evaluate(0, moved.data(), rate.data()));
     std::vector<double> projected = moved;
-    const double size = box.dynamics.project(projected.data(), scale.data());
+    const double size = box.dynamics.project(0, projected.data(), scale.data());
     EXPECT_GT(size, 5e-8);
     box.at.setPoint(0, projected.data());
     box.at.switching();
@@ -186,7 +186,7 @@ TEST(FoldedForces, StepsAllocateNothing) {
   std::vector<double> inside(box.state.size());
   const auto step = [&] {
     EXPECT_EQ(integrator.step(1), StepStatus::Done);
-    box.dynamics.project(integrator.end(), settings.scale.data());
+    box.dynamics.project(integrator.endTime(), integrator.end(), settings.scale.data());
     integrator.interpolate(0.5 * (integrator.beginTime() + integrator.endTime()), inside.data());
   };
   step();
