@@ -84,9 +84,29 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   return TF_OK;
 }
 
+// Of events, −1 if there is none; `stopped` as in changeMode.
+int Simulation::Implementation::elementOf(const Guard &guard, int stopped) const {
+  switch (guard.kind) {
+  case GuardKind::Gap:
+    return guard.index;
+  case GuardKind::Force:
+    return dynamics_.contactOfMargin(guard.index);
+  case GuardKind::Slip:
+    return elementOfTangent(model_, guard.index);
+  case GuardKind::SlipAlong:
+    return elementOfTangent(model_, stopped);
+  case GuardKind::Condition:
+  case GuardKind::StepLow:
+  case GuardKind::StepHigh:
+    return model_.nc + model_.nf + guard.index;
+  }
+  return -1;
+}
+
 tf_status Simulation::Implementation::failWithoutProgress() {
   const auto named = std::find_if(transitions_.rbegin(), transitions_.rend(), [](const Transition &t) { return t.element >= 0; });
-  const std::string last = named == transitions_.rend() ? std::string() : " of " + elementText(model_, named->element);
+  const int element = named == transitions_.rend() ? lastElement_ : named->element;
+  const std::string last = element < 0 ? std::string() : " of " + elementText(model_, element);
   return failAt(fmt::format("no consistent continuation: {} events since t = {:.10g}, the last{}", progress_.count, progress_.since, last));
 }
 
@@ -310,6 +330,7 @@ bool Simulation::Implementation::switchesFaintly(int j) {
 // The guard is zero at (time_, state_); `stopped` is the first tangential row of a slip of two components that has stopped, else −1.
 tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped, double limit) {
   EventHint hint;
+  lastElement_ = elementOf(guard, stopped);
   const bool isStep = guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh;
   if (isStep)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};

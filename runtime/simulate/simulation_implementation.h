@@ -60,6 +60,7 @@ public:
   double switchTime_ = -std::numeric_limits<double>::infinity();  // of the last switch
   std::uint64_t inputRevision_ = 0;
   EventProgress progress_;
+  int lastElement_ = -1;  // of the last event (Transition)
   SwitchProgress switchProgress_;
   long long reportedPoints_ = 0;
   int lingeringSteps_ = 0;  // in a row, whose ends have slips of two components that the tolerance does not see
@@ -130,6 +131,7 @@ private:
   tf_status settle(std::vector<Transition> &transitions, EventHint hint = {});
   tf_status enterMode(const Selection &selection, std::vector<Transition> &transitions);
   void readApproaches();
+  [[nodiscard]] int elementOf(const Guard &guard, int stopped) const;
   tf_status failWithoutProgress();
   bool switchesFaintly(int j);
   double crossSwitch(int guard, double farthest);

@@ -173,6 +173,34 @@ end Ball;
 )");
 }
 
+// Slips start and stop along the polygon's edges and corners as the belt goes to and fro.
+TEST(PolyhedralFriction, PuckOnAShakingBelt) {
+  for (const int directions : {3, 5, 7}) {
+    const std::string number = std::to_string(directions);
+    const std::string file = sourceFile("shaken_puck" + number + ".tf", R"(
+model Puck
+  coordinate Real q[3](start = {0, 0, 0}, der(start = {-0.2264725793271934, -0.05542788192056222, 0}));
+  body b(mass = 1, position = q);
+  gravity g(acceleration = {0, 0, -10});
+  contact c(gap = q[3], slip = {der(q[1]) - 0.2*sin(5*time), der(q[2])}, friction = 0.5, frictionForm = FrictionForm.Polyhedral,
+    directions = )" + number + R"();
+  force f(value = {4, 2, 0}, at = q);
+end Puck;
+)");
+    CompiledModel best(file);
+    best.tolerance(1e-11).initialise(1.2);
+    best.advance(3);
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-3, 1e-5, 1e-8}) {
+        CompiledModel model(file);
+        model.tolerance(tolerance).integrator(integrator).initialise(1.2);
+        model.advance(3);
+        for (const char *name : {"q[1]", "q[2]", "der(q[1])", "der(q[2])"})
+          EXPECT_NEAR(model[name], best[name], tolerance) << integrator << ", " << tolerance << ", " << directions << ", " << name;
+      }
+  }
+}
+
 // A ball's slip obeys the puck's law with the amount 7/2 limit/mass, and 2/7 of what friction takes from the slip it takes from the centre.
 TEST(PolyhedralFriction, BallWithBackspinFollowsThePolygonsLaw) {
   for (const int directions : {3, 8, 24}) {
