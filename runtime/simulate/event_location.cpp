@@ -47,6 +47,15 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
         event.time = x;
         return Location::Vanished;
       }
+    } else if (g.kind == GuardKind::Slip && starts_[guard].armed == Arming::Not && value > 0) {
+      // So does a slip whose acceleration has just been zero.
+      if (!dynamics_.evaluate(x, integrator_->end(), integrator_->endRate()))
+        return Location::Unsolved;
+      slope = dynamics_.slipRate(guard);
+      if (slope >= 0) {
+        event.time = x;
+        return Location::Vanished;
+      }
     } else if (k > 0 && x != previous && std::abs(value) > poor * std::abs(previousValue)) {
       slope = (value - previousValue) / (x - previous);
     }
