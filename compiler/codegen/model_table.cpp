@@ -122,8 +122,8 @@ llvm::Constant *quaternions(const HybridSystem &system, TableBuilder &build) {
 llvm::Constant *switches(const HybridSystem &system, TableBuilder &build) {
   Constants rows;
   for (const SwitchingFunction &entry : system.switches)
-    rows.push_back(build.structure(
-        {build.text(entry.text), build.integer(entry.kind), build.integer(entry.zeroIsPositive ? 1 : 0), build.location(entry.span)}));
+    rows.push_back(build.structure({build.text(entry.text), build.integer(entry.kind), build.integer(entry.zeroIsPositive ? 1 : 0),
+                                    build.location(entry.span), build.integer(entry.of)}));
   return build.table(rows, "switches");
 }
 

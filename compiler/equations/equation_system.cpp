@@ -353,6 +353,27 @@ void EquationSystem::makeDiscontinuous(NodeId node) {
         switching.kind = SwitchKind::Sliding;
 }
 
+// A number; no event.
+NodeId EquationSystem::parametricStep(const ProvisionalSwitch &provisional, NodeId condition) {
+  const NodeId isPositive = graph_.binary(ir::Op::Less, graph_.constant(0), condition);
+  const NodeId isNotNegative = graph_.binary(ir::Op::LessEqual, graph_.constant(0), condition);
+  if (provisional.atZero == 0)
+    return isPositive;
+  if (provisional.atZero == 1)
+    return isNotNegative;
+  return graph_.mul(graph_.constant(0.5), graph_.add(isPositive, isNotNegative));
+}
+
+NodeId EquationSystem::restOf(int index) {
+  const auto found = std::ranges::find(switches_, index, &Switch::of);
+  const auto rest = static_cast<int>(found - switches_.begin());
+  if (found == switches_.end()) {
+    const Switch shared = switches_[static_cast<std::size_t>(index)];
+    switches_.push_back({shared.condition, SwitchKind::Rest, false, shared.text, shared.span, index});
+  }
+  return graph_.symbol(SymbolKind::StepVariable, rest);
+}
+
 bool EquationSystem::defineSwitch(int id) {
   const ProvisionalSwitch &provisional = provisionals_.switches()[static_cast<std::size_t>(provisionals_[id].index)];
   const NodeId condition = resolve(provisional.condition);
@@ -371,19 +392,23 @@ bool EquationSystem::defineSwitch(int id) {
   }
   NodeId &definition = definitions_[static_cast<std::size_t>(id)];
   if (isParametric) {
-    const ir::Op op = provisional.zeroIsPositive ? ir::Op::LessEqual : ir::Op::Less;
-    definition = graph_.binary(op, graph_.constant(0), condition);
+    definition = parametricStep(provisional, condition);
     return true;
   }
   const LinearForm form = normalForm(graph_, condition);
   const auto [entry, isNew] = sharedSwitches_.try_emplace(form.terms, std::pair{static_cast<int>(switches_.size()), form.scale});
   const auto [index, scale] = entry->second;
   if (isNew)
-    switches_.push_back({condition, isTime ? SwitchKind::Time : kind, provisional.zeroIsPositive, provisional.text, provisional.span});
+    switches_.push_back({condition, isTime ? SwitchKind::Time : kind, provisional.atZero > 0, provisional.text, provisional.span});
   else if (Switch &shared = switches_[static_cast<std::size_t>(index)]; shared.kind == SwitchKind::Continuous)
     shared.kind = kind;
   const NodeId alpha = graph_.symbol(SymbolKind::StepVariable, index);
-  definition = form.scale * scale > 0 ? alpha : graph_.sub(graph_.constant(1), alpha);
+  const bool isSame = form.scale * scale > 0;
+  definition = isSame ? alpha : graph_.sub(graph_.constant(1), alpha);
+  // Where the condition stays 0, relations that share the step variable need not all be what it is.
+  const double shared = switches_[static_cast<std::size_t>(index)].zeroIsPositive == isSame ? 1 : 0;
+  if (const double differs = provisional.atZero - shared; differs != 0 && !provisional.isContinuous && !isTime)
+    definition = graph_.add(definition, graph_.mul(graph_.constant(differs), restOf(index)));
   return true;
 }
 

@@ -23,7 +23,8 @@ struct ScalarEquation {
   const flat::Expr *leftExpression = nullptr, *rightExpression = nullptr;
 };
 
-enum class SwitchKind : std::uint8_t { Sliding, Continuous, Time };
+// Rest: not a switching function of its own, but a step variable that is 1 while the condition of another one stays 0 without sliding.
+enum class SwitchKind : std::uint8_t { Sliding, Continuous, Time, Rest };
 
 struct Switch {
   ir::NodeId condition = -1;
@@ -31,6 +32,7 @@ struct Switch {
   bool zeroIsPositive = false;
   std::string text;
   Span span;
+  int of = -1;  // Rest: the other one
 };
 
 class EquationSystem {
@@ -70,6 +72,8 @@ private:
   bool defineVariable(int id);
   bool defineDerivative(int id);
   bool defineSwitch(int id);
+  ir::NodeId parametricStep(const ProvisionalSwitch &provisional, ir::NodeId condition);
+  ir::NodeId restOf(int index);
   bool solveFor(int id, const ScalarEquation &equation);
   void reportLoop(const std::vector<int> &component);
   [[nodiscard]] bool isState(int unknown) const { return stateIndex_[static_cast<std::size_t>(unknown)] >= 0; }

@@ -13,9 +13,9 @@ namespace tf::equations {
 // A switching function as it was met; alpha = 1 where condition > 0.
 struct ProvisionalSwitch {
   ir::NodeId condition = -1;
-  bool isContinuous = false;    // abs, min, max: both branches agree on condition = 0
-  bool zeroIsPositive = false;  // the relation as written holds on condition = 0
-  std::string text;             // the condition as written
+  bool isContinuous = false;  // abs, min, max: both branches agree on condition = 0
+  double atZero = 0;          // alpha where condition stays 0 without sliding: 1 where the relation as written holds there, 1/2 of a sign
+  std::string text;           // the condition as written
   Span span;
 };
 

@@ -81,9 +81,9 @@ std::string Scalariser::textOf(const Expr &expression) const {
   return text;
 }
 
-NodeId Scalariser::switchOn(NodeId condition, bool isContinuous, bool zeroIsPositive, const Expr &expression) {
-  const int id = provisionals_.addSwitch(
-      {condition, isContinuous || events_ == Events::Continuous, zeroIsPositive, textOf(expression), expression.span});
+NodeId Scalariser::switchOn(NodeId condition, bool isContinuous, double atZero, const Expr &expression) {
+  const int id =
+      provisionals_.addSwitch({condition, isContinuous || events_ == Events::Continuous, atZero, textOf(expression), expression.span});
   return graph_.symbol(ir::SymbolKind::Unknown, id);
 }
 
@@ -121,7 +121,7 @@ NodeId Scalariser::relation(const Expr &expression, NodeId a, NodeId b) {
   const NodeId smaller = isLess ? a : b;
   if (isInline(expression))
     return graph_.binary(isStrict ? Op::Less : Op::LessEqual, smaller, greater);
-  return switchOn(graph_.sub(greater, smaller), false, !isStrict, expression);
+  return switchOn(graph_.sub(greater, smaller), false, isStrict ? 0 : 1, expression);
 }
 
 NodeId Scalariser::equality(const Expr &expression, NodeId a, NodeId b) {
@@ -172,13 +172,13 @@ NodeId Scalariser::kinked(const Expr &expression, std::span<const NodeId> args) 
   }
   switch (expression.function) {
   case Function::Abs:
-    return graph_.select(switchOn(a, true, true, expression), a, graph_.neg(a));
+    return graph_.select(switchOn(a, true, 1, expression), a, graph_.neg(a));
   case Function::Sign:
-    return graph_.select(switchOn(a, false, true, expression), graph_.constant(1), graph_.constant(-1));
+    return graph_.select(switchOn(a, false, 0.5, expression), graph_.constant(1), graph_.constant(-1));
   case Function::Min:
-    return graph_.select(switchOn(graph_.sub(args[1], a), true, true, expression), a, args[1]);
+    return graph_.select(switchOn(graph_.sub(args[1], a), true, 1, expression), a, args[1]);
   default:
-    return graph_.select(switchOn(graph_.sub(a, args[1]), true, true, expression), a, args[1]);
+    return graph_.select(switchOn(graph_.sub(a, args[1]), true, 1, expression), a, args[1]);
   }
 }
 

@@ -61,7 +61,7 @@ private:
   ir::NodeId scalarCall(const flat::Expr &expression, std::span<const ir::NodeId> args);
   ir::NodeId kinked(const flat::Expr &expression, std::span<const ir::NodeId> args);
   ir::NodeId rounded(const flat::Expr &expression, std::span<const ir::NodeId> args);
-  ir::NodeId switchOn(ir::NodeId condition, bool isContinuous, bool zeroIsPositive, const flat::Expr &expression);
+  ir::NodeId switchOn(ir::NodeId condition, bool isContinuous, double atZero, const flat::Expr &expression);
 
   [[nodiscard]] bool isInline(const flat::Expr &expression) const;
   [[nodiscard]] bool isPlainBoolean(ir::NodeId node) const;

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <span>
 
 namespace tf::filippov {
@@ -27,14 +28,38 @@ public:
       addFriction(static_cast<int>(k));
     for (std::size_t k = 0; k < system_.switches.size(); ++k) {
       const SwitchingFunction &switching = system_.switches[k];
+      if (switching.kind == TF_SWITCH_REST)
+        continue;
       form_.steps.push_back({StepRole::Switch, static_cast<int>(k), 0, switching.condition,
                              graph_.symbol(SymbolKind::StepVariable, static_cast<int>(k)), switching.text});
     }
     form_.terms[0].coefficient = timeRuns;
+    removeRests();
     return std::move(form_);
   }
 
 private:
+  // Filippov's solutions take in what happens on a surface: 0 for step variables of conditions that stay zero on it.
+  void removeRests() {
+    if (std::ranges::none_of(system_.switches, [](const SwitchingFunction &one) { return one.kind == TF_SWITCH_REST; }))
+      return;
+    const auto remove = [this](std::vector<NodeId> nodes) {
+      return ir::substitute(graph_, nodes, [this](ir::Symbol symbol) {
+        const bool isRest = symbol.kind == SymbolKind::StepVariable && symbol.index < static_cast<int>(system_.switches.size()) &&
+                            system_.switches[static_cast<std::size_t>(symbol.index)].kind == TF_SWITCH_REST;
+        return isRest ? graph_.constant(0) : NodeId{-1};
+      });
+    };
+    for (Field &field : form_.fields) {
+      field.force = remove(field.force);
+      field.stateDerivatives = remove(field.stateDerivatives);
+    }
+    for (auto &step : form_.steps)
+      step.condition = remove({step.condition})[0];
+    for (auto &term : form_.terms)
+      term.coefficient = remove({term.coefficient})[0];
+  }
+
   void addOde() {
     form_.fields.push_back({"f_ODE", -1, 0, 0, true, system_.force, system_.stateDerivatives});
     form_.terms.push_back({one_, 0});

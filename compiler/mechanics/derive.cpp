@@ -69,6 +69,8 @@ int switchKind(equations::SwitchKind kind) {
     return TF_SWITCH_SLIDING;
   case equations::SwitchKind::Continuous:
     return TF_SWITCH_CONTINUOUS;
+  case equations::SwitchKind::Rest:
+    return TF_SWITCH_REST;
   default:
     return TF_SWITCH_TIME;
   }
@@ -92,7 +94,8 @@ void takeOver(mechanics::Derivation &d) {
   for (const mechanics::PotentialEntry &potential : d.elements.potentials)
     d.equations.makeDiscontinuous(potential.energy);  // its gradient acts
   for (const equations::Switch &switching : d.equations.switches())
-    system.switches.push_back({switching.text, switching.span, switching.condition, switchKind(switching.kind), switching.zeroIsPositive});
+    system.switches.push_back(
+        {switching.text, switching.span, switching.condition, switchKind(switching.kind), switching.zeroIsPositive, switching.of});
   for (const int state : d.equations.states())
     d.names.states.push_back(d.variables.name(d.variables.scalars(Role::Unknown)[static_cast<std::size_t>(state)]));
 }

@@ -82,6 +82,7 @@ struct SwitchingFunction {
   ir::NodeId condition = -1;
   int kind = 0;  // enum tf_switch_kind
   bool zeroIsPositive = false;
+  int of = -1;  // TF_SWITCH_REST: the switch that rests
 };
 
 struct HybridSystem {

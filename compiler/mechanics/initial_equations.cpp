@@ -71,7 +71,11 @@ private:
         if (symbol.kind != SymbolKind::StepVariable)
           return NodeId{-1};
         const SwitchingFunction &switching = d_.system.switches[static_cast<std::size_t>(symbol.index)];
-        return graph_.binary(switching.zeroIsPositive ? ir::Op::LessEqual : ir::Op::Less, graph_.constant(0), switching.condition);
+        const NodeId isPositive = graph_.binary(ir::Op::Less, graph_.constant(0), switching.condition);
+        const NodeId isNotNegative = graph_.binary(ir::Op::LessEqual, graph_.constant(0), switching.condition);
+        if (switching.kind == TF_SWITCH_REST)
+          return graph_.sub(isNotNegative, isPositive);
+        return switching.zeroIsPositive ? isNotNegative : isPositive;
       })[0];
     return node;
   }

@@ -202,7 +202,7 @@ private:
   }
 
   void switches() {
-    static constexpr const char *kKinds[] = {"sliding possible", "continuous", "time event"};
+    static constexpr const char *kKinds[] = {"sliding possible", "continuous", "time event", "1 while c stays 0"};
     if (!s_.switches.empty())
       out_ += "\nswitches: a step variable is 1 where c > 0, 0 where c < 0\n";
     for (std::size_t k = 0; k < s_.switches.size(); ++k)

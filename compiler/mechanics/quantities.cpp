@@ -367,9 +367,12 @@ void QuantityTable::addEnergies() {
 
 void QuantityTable::addSwitches() {
   const std::string step = system_.switches.empty() ? "" : freeName({"alpha", "stepVariable"});
-  for (std::size_t k = 0; k < system_.switches.size(); ++k)
-    add(fmt::format("{}[{}]", step, k + 1), TF_KIND_STEP_VARIABLE, static_cast<int>(k), "", "step variable of " + system_.switches[k].text,
-        system_.switches[k].span);
+  for (std::size_t k = 0; k < system_.switches.size(); ++k) {
+    const SwitchingFunction &one = system_.switches[k];
+    const std::string meaning =
+        one.kind == TF_SWITCH_REST ? "1 while the condition of " + one.text + " stays zero" : "step variable of " + one.text;
+    add(fmt::format("{}[{}]", step, k + 1), TF_KIND_STEP_VARIABLE, static_cast<int>(k), "", meaning, one.span);
+  }
   add(freeName({"timeSpeed", "numericalTimeSpeed"}), TF_KIND_TIME_SPEED, 0, "", "physical time per numerical time");
 }
 

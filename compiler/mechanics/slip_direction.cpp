@@ -118,7 +118,7 @@ int switchOnSlipDirection(const HybridSystem &system, const FrictionEntry &frict
     if (symbol.kind != SymbolKind::StepVariable)
       continue;
     const SwitchingFunction &one = system.switches[static_cast<std::size_t>(symbol.index)];
-    if (!ir::dependsOn(system.graph, one.condition, [](Symbol s) { return s.kind == SymbolKind::Velocity; }))
+    if (one.kind == TF_SWITCH_REST || !ir::dependsOn(system.graph, one.condition, [](Symbol s) { return s.kind == SymbolKind::Velocity; }))
       continue;
     for (int seed = 0; seed < samples; ++seed)
       if (tellsDirection(system, friction, symbol.index, seed))

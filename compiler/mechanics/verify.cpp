@@ -162,6 +162,9 @@ private:
       for (const ir::Symbol symbol : equations::symbolsOf(s_.graph, condition))
         if (symbol.kind == SymbolKind::StepVariable && symbol.index >= static_cast<int>(k))
           fail(fmt::format("the condition '{}' depends on its own or a later step variable", s_.switches[k].text));
+      const int of = s_.switches[k].of;
+      if ((s_.switches[k].kind == TF_SWITCH_REST) != (of >= 0 && of < static_cast<int>(k)))
+        fail(fmt::format("the switch '{}' is the rest of switch {}", s_.switches[k].text, of));
     }
   }
 

@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 12u
+#define TF_ABI_VERSION 13u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -166,7 +166,8 @@ typedef struct tf_constraint {
 enum tf_switch_kind {
   TF_SWITCH_SLIDING = 0,    /* discontinuous across c = 0: a sliding mode is possible */
   TF_SWITCH_CONTINUOUS = 1, /* abs, min, max: located, no sliding */
-  TF_SWITCH_TIME = 2        /* c depends on time and parameters only: a time event */
+  TF_SWITCH_TIME = 2,       /* c depends on time and parameters only: a time event */
+  TF_SWITCH_REST = 3        /* alpha = 1 while the c of an earlier switch, which is this one's too, stays 0 without sliding, else 0 */
 };
 
 typedef struct tf_switch {
@@ -174,6 +175,7 @@ typedef struct tf_switch {
   int32_t kind;
   int32_t zero_is_positive; /* on c = 0, off any sliding, the relation as written has alpha = 1 (>=) or 0 (>) */
   tf_location location;
+  int32_t of; /* TF_SWITCH_REST: that switch; else -1 */
 } tf_switch;
 
 /* On what a function depends explicitly. */

@@ -87,7 +87,11 @@ void ModeDynamics::buildGuards() {
   for (int k = 0; k < slips_.count(); ++k)
     guards_.push_back({GuardKind::SlipAlong, k, 1, slips_.rounding(k) / 1e-12});
   for (int j = 0; j < model.ns; ++j) {
-    if (mode_.switches[j] == Switch::Sliding) {
+    if (const int of = model.switches[j].of; of >= 0) {
+      // What leaves zero to the side that the other switch has is its own event.
+      if (mode_.switches[j] == Switch::One)
+        guards_.push_back({GuardKind::Condition, of, mode_.switches[of] == Switch::One ? -1.0 : 1.0, 1});
+    } else if (mode_.switches[j] == Switch::Sliding) {
       guards_.push_back({GuardKind::StepLow, j, 1, 1});
       guards_.push_back({GuardKind::StepHigh, j, -1, 1});
     } else {

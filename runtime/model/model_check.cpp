@@ -192,8 +192,10 @@ Outcome<void> checkElements(const tf_model &model) {
   for (std::int32_t i = 0; i < model.ns; ++i) {
     if (model.switches[i].text == nullptr)
       return damaged(fmt::format("switch {} has no text", i));
-    if (model.switches[i].kind < TF_SWITCH_SLIDING || model.switches[i].kind > TF_SWITCH_TIME)
+    if (model.switches[i].kind < TF_SWITCH_SLIDING || model.switches[i].kind > TF_SWITCH_REST)
       return damaged(fmt::format("switch '{}' has kind {}", model.switches[i].text, model.switches[i].kind));
+    if (const std::int32_t of = model.switches[i].of; (model.switches[i].kind == TF_SWITCH_REST) != (of >= 0 && of < i))
+      return damaged(fmt::format("switch '{}' is the rest of switch {}", model.switches[i].text, of));
   }
   return {};
 }

@@ -118,7 +118,10 @@ void ModeSelection::setStepVariables(double time, const double *state, const Mod
       const bool slides = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
       if (slides && hint.leavingSwitch != j)
         continue;
-      const double value = sideOf(j, hint) == Switch::One ? 1 : 0;
+      const bool rests = model.switches[j].kind == TF_SWITCH_REST && !previous.switches.empty() && previous.switches[j] == Switch::One &&
+                         std::abs(at_.condition[j]) <= tolerances_.condition;
+      const bool isOne = model.switches[j].kind == TF_SWITCH_REST ? rests : sideOf(j, hint) == Switch::One;
+      const double value = isOne ? 1 : 0;
       changes = changes || at_.stepVariable[j] != value;
       at_.stepVariable[j] = value;
     }
@@ -179,6 +182,8 @@ void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
   choices_.clear();
   mode_.switches.assign(model.ns, Switch::Zero);
   for (int j = 0; j < model.ns; ++j) {
+    if (model.switches[j].kind == TF_SWITCH_REST)
+      continue;
     const double c = at_.condition[j];
     const bool hinted = hint.leavingSwitch == j;
     const bool slid = !previous.switches.empty() && previous.switches[j] == Switch::Sliding;
@@ -413,8 +418,10 @@ void ModeSelection::holdRows(double time, const double *state) {
   }
 }
 
-// Signs of d c/dt on the surfaces agree with the sides that were assigned.
+// Signs of d c/dt on the surfaces agree with the sides that were assigned. What contacts hold has rates of rounding, compared with those
+// that it would have without them.
 bool ModeSelection::conditionsHold(double time, const double *state) {
+  stays_.assign(surfaces_.size(), 0);
   if (surfaces_.empty())
     return true;
   const tf_model &model = at_.model();
@@ -427,18 +434,23 @@ bool ModeSelection::conditionsHold(double time, const double *state) {
   for (std::size_t s = 0; s < surfaces_.size(); ++s) {
     const int j = surfaces_[s];
     const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * nx;
-    double slope = 0, size = 0;
-    const auto accumulate = [&](double gradient, double rate) {
+    double slope = 0, size = 0, freeSize = 0;
+    const auto accumulate = [&](double gradient, double rate, double freeRate = 0) {
       slope += gradient * rate;
       size += std::abs(gradient * rate);
+      freeSize += std::abs(gradient * freeRate);
     };
     const int states = model.nq + model.nv + model.nz;
-    for (int k = 0; k < states; ++k)
-      accumulate(row[k], rate_[k]);
+    for (int k = 0; k < states; ++k) {
+      const bool isVelocity = k >= model.nq && k < model.nq + model.nv;
+      accumulate(row[k], rate_[k], isVelocity && rows_.count() > 0 ? freeAcceleration_[k - model.nq] : 0);
+    }
     for (int k = 0; k < model.nu; ++k)
       accumulate(row[states + k], at_.inputRate[k]);
     accumulate(row[nx - 1], 1);
-    const double tolerance = 1e-10 * std::max(size, 1e-300);
+    constexpr double rounding = 1e-12;
+    stays_[s] = std::abs(slope) <= rounding * std::max(size, freeSize) ? 1 : 0;
+    const double tolerance = std::max(1e-10 * std::max(size, 1e-300), rounding * freeSize);
     if (mode_.switches[j] == Switch::One && slope < -tolerance)
       return false;
     if (mode_.switches[j] == Switch::Zero && slope > tolerance)
@@ -481,6 +493,8 @@ ModeSelection::Trial ModeSelection::tryAssignments(double time, const double *st
     for (std::size_t s = 0; s < surfaces_.size(); ++s)
       mode_.switches[surfaces_[s]] = choices_[s].values[choices_[s].current];
     const Trial trial = tryAssignment(time, state);
+    if (trial == Trial::Consistent)
+      return tryRests(time, state);
     if (trial != Trial::Inconsistent)
       return trial;
     std::size_t s = 0;
@@ -489,6 +503,31 @@ ModeSelection::Trial ModeSelection::tryAssignments(double time, const double *st
     if (s == choices_.size())
       return Trial::Inconsistent;
   }
+}
+
+// Switches whose conditions stay zero have the values that their relations have there, as written. True: some do not.
+bool ModeSelection::rest(const Mode &found) {
+  const tf_model &model = at_.model();
+  for (std::size_t s = 0; s < surfaces_.size(); ++s)
+    if (const int j = surfaces_[s]; stays_[s] != 0 && found.switches[j] != Switch::Sliding) {
+      mode_.switches[j] = model.switches[j].zero_is_positive != 0 ? Switch::One : Switch::Zero;
+      for (int k = j + 1; k < model.ns; ++k)
+        if (model.switches[k].of == j)
+          mode_.switches[k] = Switch::One;
+    }
+  return mode_.switches != found.switches;
+}
+
+// The same assignment, but for the switches that rest, if it is consistent with them.
+ModeSelection::Trial ModeSelection::tryRests(double time, const double *state) {
+  if (std::none_of(stays_.begin(), stays_.end(), [](std::uint8_t stays) { return stays != 0; }))
+    return Trial::Consistent;
+  const Mode found = mode_;
+  const std::vector<std::uint8_t> stayed = stays_;
+  if (!rest(found) || (tryAssignment(time, state) == Trial::Consistent && stays_ == stayed))
+    return Trial::Consistent;
+  mode_.switches = found.switches;
+  return tryAssignment(time, state);
 }
 
 const Selection &ModeSelection::select(double time, const double *state, const Mode &previous, EventHint hint) {

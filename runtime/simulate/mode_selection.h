@@ -100,6 +100,8 @@ private:
   void removeGrazing(const double *state);
   void startInertSlips(const double *state);
   Trial tryAssignments(double time, const double *state);
+  Trial tryRests(double time, const double *state);
+  bool rest(const Mode &found);
   void settleForces(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
   [[nodiscard]] Switch sideOf(int j, EventHint hint) const;
@@ -133,6 +135,7 @@ private:
   std::vector<int> contacts_, tangents_;                   // of the problem
   std::vector<int> surfaces_;                              // switches on their surfaces
   std::vector<Choices> choices_;                           // of each, in order of preference
+  std::vector<std::uint8_t> stays_;                        // of each: its condition stays zero in the mode
   std::vector<int> contactOf_;                             // nt, see contactsOfTangents
   std::vector<TangentRole> roles_;                         // nt
   std::vector<std::uint8_t> mask_, surfaceMask_, ofTime_;  // nc + nf; ns; ns

@@ -539,8 +539,8 @@ bool RestPrediction::nothingElseHappens() {
     if (!std::binary_search(point_.contacts.begin(), point_.contacts.end(), i) && !dynamics_.mode().closed[i] && at_.gap[i] < 0)
       return false;
   for (int j = 0; j < model.ns; ++j)
-    if (const Switch side = dynamics_.mode().switches[j];
-        side != Switch::Sliding && alternates_[j] == 0 && (at_.condition[j] > 0) != (side == Switch::One))
+    if (const Switch side = dynamics_.mode().switches[j]; model.switches[j].kind != TF_SWITCH_REST && side != Switch::Sliding &&
+                                                          alternates_[j] == 0 && (at_.condition[j] > 0) != (side == Switch::One))
       return false;
   return true;
 }

@@ -80,7 +80,7 @@ void compareModes(const tf_model &model, const Mode &from, const Mode &to, std::
   if (from.switches.empty())
     return;
   for (int j = 0; j < model.ns; ++j) {
-    if (from.switches[j] == to.switches[j])
+    if (from.switches[j] == to.switches[j] || model.switches[j].kind == TF_SWITCH_REST)
       continue;
     const int kind = to.switches[j] == Switch::Sliding          ? TF_EVENT_SLIDING
                      : model.switches[j].kind == TF_SWITCH_TIME ? TF_EVENT_TIME

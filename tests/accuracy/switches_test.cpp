@@ -71,6 +71,45 @@ std::vector<double> twistingTimes(double v, int count) {
   return times;
 }
 
+// A ball falls against a constant drag, comes to rest, and is slowly lifted: relations of its velocity while that is zero.
+TEST(Switches, RelationsAtRestAreThoseThatAreWritten) {
+  const std::string file = sourceFile("relations_at_rest.tf", R"(
+model AtRest
+  coordinate Real y(start = 0.8);
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -10});
+  force drag(value = -2*sign(der(y)), at = y);
+  force lift(value = if time < 4 then 0 else 5*(time - 4), at = y);
+  contact floor(gap = y);
+  Real up(start = 0), notDown(start = 0), down(start = 0), notUp(start = 0), sum(start = 0);
+equation
+  der(up) = if der(y) > 0 then 1 else 0;
+  der(notDown) = if der(y) >= 0 then 1 else 0;
+  der(down) = if der(y) < 0 then 1 else 0;
+  der(notUp) = if der(y) <= 0 then 1 else 0;
+  der(sum) = sign(der(y));
+end AtRest;
+)");
+  // It falls with an acceleration of 8, and leaves the floor when the lift is its weight.
+  const double fall = std::sqrt(0.2), leave = 4 + 10 / 5.0;
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-4, 1e-7, 1e-10}) {
+      SCOPED_TRACE("integrator " + std::to_string(integrator) + ", " + std::to_string(tolerance));
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator).run(5);
+      EXPECT_NEAR(model["floor.normalForce"], 10 - 5, 1e-9);
+      EXPECT_NEAR(model["down"], fall, tolerance);
+      EXPECT_EQ(model["up"], 0);
+      EXPECT_NEAR(model["notDown"], 5 - fall, 10 * tolerance);
+      EXPECT_NEAR(model["notUp"], 5, 10 * tolerance);
+      EXPECT_NEAR(model["sum"], -fall, tolerance);
+      // The drag, in the sense of Filippov, holds it in the air until the lift is larger by its limit.
+      model.advance(8);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_OPENING), leave, 1e-9);
+      EXPECT_NEAR(model["y"], 5.0 / 6 * std::pow(8 - leave - 0.4, 3), 10 * tolerance);
+    }
+}
+
 TEST(Switches, ThatFollowOneThatJustWasAreFound) {
   constexpr int count = 20;
   const std::vector<double> expected = twistingTimes(0.01, count);

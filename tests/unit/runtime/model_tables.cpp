@@ -97,7 +97,7 @@ void ModelTables::friction(const std::string &name) {
 
 void ModelTables::switchFunction(const std::string &text, tf_switch_kind kind, bool zeroIsPositive) {
   variable({.name = "alpha(" + text + ")", .kind = TF_KIND_STEP_VARIABLE, .index = static_cast<int>(switches_.size())});
-  switches_.push_back({keep(text), kind, zeroIsPositive ? 1 : 0, nextLocation(switches_.size())});
+  switches_.push_back({keep(text), kind, zeroIsPositive ? 1 : 0, nextLocation(switches_.size()), -1});
 }
 
 const tf_model &ModelTables::finish() {

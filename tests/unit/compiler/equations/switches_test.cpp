@@ -56,10 +56,38 @@ TEST(Switches, EqualUpToAConstantFactorShareOneStepVariable) {
   DerivedModel m =
       model("(if x > 2*y then 1 else 0) + (if 2*x - 4*y > 0 then 10 else 0) + (if y > x/2 then 100 else 0) + 1000*sign(6*y - 3*x)");
   TF_ASSERT_DERIVED(m);
-  ASSERT_EQ(m->switches.size(), 1U);
+  EXPECT_EQ(switchesOf(m), (std::vector<Expected>{{"x > 2*y", TF_SWITCH_SLIDING, false}, {"x > 2*y", TF_SWITCH_REST, false}}));
+  EXPECT_EQ(m->switches[1].of, 0);
   const Point point(*m, 1);
-  EXPECT_EQ(derivativeAt(m, point, {1}), 1 + 10 + 0 - 1000);
-  EXPECT_EQ(derivativeAt(m, point, {0}), 0 + 0 + 100 + 1000);
+  EXPECT_EQ(derivativeAt(m, point, {1, 0}), 1 + 10 + 0 - 1000);
+  EXPECT_EQ(derivativeAt(m, point, {0, 0}), 0 + 0 + 100 + 1000);
+}
+
+// Where the condition stays zero each relation has the value that is written.
+TEST(Switches, RelationsOfOneStepVariableAtRest) {
+  DerivedModel m =
+      model("(if x > y then 1 else 0) + (if x >= y then 10 else 0) + (if x < y then 100 else 0) + (if y >= x then 1000 else 0) + "
+            "10000*sign(x - y)");
+  TF_ASSERT_DERIVED(m);
+  ASSERT_EQ(m->switches.size(), 2U);
+  EXPECT_EQ(m->switches[1].kind, TF_SWITCH_REST);
+  const Point point(*m, 1);
+  EXPECT_EQ(derivativeAt(m, point, {1, 0}), 1 + 10 + 10000);
+  EXPECT_EQ(derivativeAt(m, point, {0, 0}), 100 + 1000 - 10000);
+  EXPECT_EQ(derivativeAt(m, point, {0, 1}), 10 + 1000);
+  DerivedModel negative = model("(if x >= y then 1 else 0) + (if x < y then 10 else 0)");
+  TF_ASSERT_DERIVED(negative);
+  EXPECT_EQ(negative->switches.size(), 1U);
+}
+
+TEST(Switches, SignOfAParameter) {
+  DerivedModel m = model("sign(p - 2)");
+  TF_ASSERT_DERIVED(m);
+  Point point(*m, 1);
+  for (const double p : {1.0, 2.0, 3.0}) {
+    point(Parameter) = p;
+    EXPECT_EQ(derivativeAt(m, point, {}), p - 2);
+  }
 }
 
 TEST(Switches, DifferentConstantsAreDifferentSurfaces) {
@@ -75,13 +103,14 @@ TEST(Switches, Kinds) {
                                                   {"min(x, y)", TF_SWITCH_CONTINUOUS, true},
                                                   {"max(y, u)", TF_SWITCH_CONTINUOUS, true},
                                                   {"sign(u)", TF_SWITCH_SLIDING, true},
+                                                  {"sign(u)", TF_SWITCH_REST, false},
                                                   {"time > p", TF_SWITCH_TIME, false}}));
 }
 
 TEST(Switches, AJumpOnTheSurfaceOfAKinkCanSlide) {
   DerivedModel m = model("abs(x) - sign(x)");
   TF_ASSERT_DERIVED(m);
-  EXPECT_EQ(switchesOf(m), (std::vector<Expected>{{"abs(x)", TF_SWITCH_SLIDING, true}}));
+  EXPECT_EQ(switchesOf(m), (std::vector<Expected>{{"abs(x)", TF_SWITCH_SLIDING, true}, {"abs(x)", TF_SWITCH_REST, false}}));
 }
 
 TEST(Switches, DerivativeOfAKinkCanSlide) {

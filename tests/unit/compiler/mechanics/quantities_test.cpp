@@ -151,7 +151,7 @@ equation
 end M;
 )");
   TF_ASSERT_DERIVED(model);
-  EXPECT_EQ(namesOf(model), (std::vector<std::string>{"time", "numericalTime", "x", "der(x)", "tau", "stepVariable[1]",
+  EXPECT_EQ(namesOf(model), (std::vector<std::string>{"time", "numericalTime", "x", "der(x)", "tau", "stepVariable[1]", "stepVariable[2]",
                                                       "numericalTimeSpeed", "alpha", "timeSpeed"}));
 }
 
