@@ -75,6 +75,10 @@ void EventDetection::examineVarying(DetectedEvent &first) {
     // It falls from its start, which is a zero, not only by the interpolant's error there.
     if (own.guard < 0 && a.value <= threshold(guard) && a.rate < 0 && b.value < level(guard))
       bracketProbes(guard, a, b, own);
+    // What closed contacts correct at the end of a step is not in the interpolant.
+    if (const double value = end_.value[guard] - level(guard), rate = end_.rate[guard];
+        own.guard < 0 && described.kind == GuardKind::Gap && value < 0 && rate < 0)
+      own = {guard, std::max(end_.time - value / rate, 0.5 * (begin_.time + end_.time)), begin_.time, end_.time, rate};
     if (own.guard >= 0 && (first.guard < 0 || own.time < first.time))
       first = own;
   }

@@ -17,6 +17,8 @@ namespace {
 constexpr double slow = 3e-2;
 // Slower bounces than this part of the fastest one are low.
 constexpr double low = 1e-2;
+// The next one is expected within so many times the interval between the last ones; and intervals that may be short, as a part of the run.
+constexpr double intervals = 3, lowTime = 1e-3;
 constexpr int firstImpacts = 3;
 // Predictions from so much earlier would not be among the latest when the impacts are slow.
 constexpr double early = 0.2;
@@ -96,7 +98,6 @@ Eigen::VectorXd RestPrediction::extrapolationWeights(const Eigen::VectorXd &x) c
 // False where it is too early for a prediction.
 bool RestPrediction::recordImpact(double time, const std::vector<Approach> &approaches) {
   // A contact whose bounces are shorter than those of others, in an accumulation within theirs, says nothing about these.
-  constexpr double intervals = 3;
   bool slowed = false;
   for (const auto &[contact, speed] : approaches) {
     double &fastest = fastest_[contact];
@@ -122,9 +123,16 @@ bool RestPrediction::bouncesLow(double time) const {
   return std::any_of(lowUntil_.begin(), lowUntil_.end(), [time](double end) { return time <= end; });
 }
 
-void RestPrediction::endBounces(const std::vector<int> &contacts) {
-  for (const int i : contacts)
-    lowUntil_[i] = -std::numeric_limits<double>::infinity();
+// A body that rocks from one to the other: what has opened a short while ago closes again after about as long.
+void RestPrediction::endBounces(double time, const std::vector<int> &contacts) {
+  const double longest = lowTime * std::max(1.0, time - begin_);
+  for (std::size_t i = 0; i < lowUntil_.size(); ++i) {
+    const double since = time - lastTime_[i];
+    if (std::binary_search(contacts.begin(), contacts.end(), static_cast<int>(i)))
+      lowUntil_[i] = -std::numeric_limits<double>::infinity();
+    else if (dynamics_.mode().closed[i] == 0 && last_[i] <= low * fastest_[i] && since <= longest)
+      lowUntil_[i] = std::max(lowUntil_[i], time + intervals * since);
+  }
 }
 
 // Contacts that touch or have bounced take part; others are added where they may close on the way.

@@ -55,8 +55,8 @@ public:
   [[nodiscard]] bool bouncesLow(double time) const;
   // A switch has changed its side.
   void recordSwitch(int index) { changed_[index] = 1; }
-  // These contacts have come to rest.
-  void endBounces(const std::vector<int> &contacts);
+  // These contacts, ascending, have come to rest at `time`.
+  void endBounces(double time, const std::vector<int> &contacts);
 
   // What continuation depends on: numberCount() numbers; reading them implies restart().
   [[nodiscard]] std::size_t numberCount() const { return fastest_.size() + 2; }

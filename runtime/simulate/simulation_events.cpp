@@ -387,7 +387,7 @@ bool Simulation::Implementation::penetrates(const Mode &mode) {
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   const double lastImpact = time_;
-  rest_.endBounces(point.contacts);
+  rest_.endBounces(point.time, point.contacts);
   afterImpact_ = state_;
   time_ = point.time;
   state_ = point.state;
