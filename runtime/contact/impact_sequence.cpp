@@ -125,7 +125,7 @@ void ImpactSequence::Workspace::begin(const SequenceProblem &at) {
   outerStart = start;
 }
 
-// Velocities, impulses, times shrink by the factor of a cycle; then gaps and moments, which are integrals.
+// Velocities, impulses, times shrink by the factor of a cycle; then gaps and moments, which are integrals, and the loss, which is as one.
 void ImpactSequence::Workspace::readValues(std::vector<double> &values) const {
   values.assign(velocity.begin(), velocity.end());
   values.insert(values.end(), state.impulse.begin(), state.impulse.end());
@@ -134,11 +134,12 @@ void ImpactSequence::Workspace::readValues(std::vector<double> &values) const {
   values.push_back(state.tau);
   values.insert(values.end(), gap.begin(), gap.end());
   values.insert(values.end(), state.impulseMoment.begin(), state.impulseMoment.end());
+  values.push_back(state.loss);
 }
 
 void ImpactSequence::Workspace::resetTail(BreakpointTail &tail) const {
   const int compared = 3 * count() + 2;
-  tail.reset(compared + n() + count(), compared);
+  tail.reset(compared + n() + count() + 1, compared);
 }
 
 void ImpactSequence::Workspace::addEntry(BreakpointTail &tail, std::vector<double> &from, int symbol) {
@@ -203,6 +204,8 @@ bool ImpactSequence::Workspace::freeze() {
   for (int c = 0; c < ni + mi; ++c) {
     state.impulse[row(c)] += result.impulse[c];
     state.frozenImpulse[row(c)] += result.impulse[c];
+    const double before = c < ni ? impact.normalVelocity[c] : impact.slipVelocity[c - ni];
+    state.loss -= 0.5 * result.impulse[c] * (before + result.velocity[c]);
     for (int r = 0; r < count(); ++r)
       velocity[r] += problem->delassus(r, row(c)) * result.impulse[c];
   }
@@ -346,6 +349,12 @@ void ImpactSequence::Workspace::sumTail(const BreakpointTail &tail, const std::v
     const double integral = tail.cycle(timeIndex + 2 + n() + r);
     state.impulseMoment[r] += state.impulse[r] * left - (state.impulse[r] * last - integral) * square;
   }
+  double quadraticLoss = tail.cycle(timeIndex + 2 + n() + rowCount);
+  for (int r = 0; r < rowCount; ++r) {
+    state.loss -= tail.tail(2 * rowCount + r) * velocity[r];
+    quadraticLoss += tail.cycle(2 * rowCount + r) * velocity[r];
+  }
+  state.loss += quadraticLoss * square;
   for (int i = 0; i < n(); ++i)
     gap[i] = std::binary_search(contacts.begin(), contacts.end(), i)
                  ? 0

@@ -34,6 +34,7 @@ struct AccumulationPoint {
   std::vector<double> impulse;        // n + m: of impacts and forces since the begin
   std::vector<double> impulseMoment;  // n + m: ∫ impulse dt up to the point
   std::vector<double> frozenImpulse;  // n + m: the share of the impacts
+  double loss = 0;                    // of energy in impacts: −Λᵀ(c⁻ + c⁺)/2 of each
 };
 
 class ImpactSequence {

@@ -32,47 +32,91 @@ void EnergyBalance::start(double time, const double *state) {
   note(energy);
 }
 
-void EnergyBalance::addStep(SmoothIntegrator &integrator) {
-  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
-  // Between the stages of a method that follows a slip of two components from zero its direction, out of small differences, is poor.
-  Quadrature rule = integrator.quadrature();
-  if (!dynamics_.hasTurningSlips() || rule.nodes.empty())
-    rule = {legendreNodes, legendreWeights};
+EnergyBalance::Passage EnergyBalance::integrate(SmoothIntegrator &integrator, const Quadrature &rule, double begin, double length) {
+  Passage sum;
   const auto &[nodes, weights] = rule;
-  double known = 0, loss = 0, work = 0, passed = 0;  // weights of the points that count, and the means there
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     const double time = begin + nodes[k] * length;
     integrator.interpolate(time, state_.data());
     if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
       continue;
     const Energy energy = energyAt(time, state_.data());
-    const double friction = dynamics_.frictionPower();
-    known += weights[k];
-    loss -= weights[k] * friction;
-    const double power = energy.power + dynamics_.reactionPower() - friction;
-    work += weights[k] * power;
-    passed += weights[k] * (std::abs(power) + std::abs(friction));
+    const double friction = dynamics_.frictionPower(), power = energy.power + dynamics_.reactionPower() - friction;
+    sum.known += weights[k];
+    sum.frictionLoss -= weights[k] * friction;
+    sum.work += weights[k] * power;
+    sum.passed += weights[k] * (std::abs(power) + std::abs(friction));
     note(energy);
   }
-  if (known > 0) {
-    totals_.frictionLoss += length * loss / known;
-    totals_.work += length * work / known;
-    totals_.passed += length * passed / known;
+  const double scale = sum.known > 0 ? length / sum.known : 0;
+  sum.frictionLoss *= scale;
+  sum.work *= scale;
+  sum.passed *= scale;
+  return sum;
+}
+
+// By halves, until they agree with the whole.
+EnergyBalance::Passage EnergyBalance::refine(SmoothIntegrator &integrator, const Passage &whole, double begin, double length,
+                                             double accepted, int depth) {
+  constexpr Quadrature rule = {legendreNodes, legendreWeights};
+  const double half = 0.5 * length;
+  Passage first = integrate(integrator, rule, begin, half), second = integrate(integrator, rule, begin + half, half);
+  const bool agree = std::abs(first.work + second.work - whole.work) <= accepted &&
+                     std::abs(first.frictionLoss + second.frictionLoss - whole.frictionLoss) <= accepted;
+  if (!agree && depth > 0) {
+    first = refine(integrator, first, begin, half, 0.5 * accepted, depth - 1);
+    second = refine(integrator, second, begin + half, half, 0.5 * accepted, depth - 1);
   }
-  if (known < 1 - *std::min_element(weights.begin(), weights.end()) / 2)
+  return {0.5 * (first.known + second.known), first.frictionLoss + second.frictionLoss, first.work + second.work,
+          first.passed + second.passed};
+}
+
+// What moves without any effect on the state, as a body whose position is a function of time, has no part in the error of the step: where
+// the integrals do not explain how the energy has changed they need more points.
+void EnergyBalance::addStep(SmoothIntegrator &integrator) {
+  constexpr double part = 1e-3;  // of the tolerance
+  constexpr int deepest = 12;
+  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
+  // Between the stages of a method that follows a slip of two components from zero its direction, out of small differences, is poor.
+  const Quadrature stages = integrator.quadrature();
+  const bool usesStages = dynamics_.hasTurningSlips() && !stages.nodes.empty();
+  const Quadrature rule = usesStages ? stages : Quadrature{legendreNodes, legendreWeights};
+  Passage passage = integrate(integrator, rule, begin, length);
+  if (passage.known < 1 - *std::min_element(rule.weights.begin(), rule.weights.end()) / 2) {
     totals_.estimatedTime += length;
+  } else if (!usesStages) {
+    const double change = energyAt(integrator.endTime(), integrator.end()).mechanical() - energyAt(begin, integrator.begin()).mechanical();
+    const double accepted = part * integrator.settings().tolerance * std::max(totals_.largest, totals_.passed);
+    if (std::abs(passage.work - passage.frictionLoss - change) > accepted)
+      passage = refine(integrator, passage, begin, length, accepted, deepest);
+  }
+  totals_.frictionLoss += passage.frictionLoss;
+  totals_.work += passage.work;
+  totals_.passed += passage.passed;
 }
 
 void EnergyBalance::addImpact(double time, const double *before, const double *after, double boundaryWork) {
-  const double change = energyAt(time, after).kinetic - energyAt(time, before).kinetic;
-  totals_.work += boundaryWork;
-  totals_.impactLoss += boundaryWork - change;
-  totals_.passed += std::abs(boundaryWork) + std::abs(boundaryWork - change);
+  const double afterwards = energyAt(time, after).kinetic, change = afterwards - energyAt(time, before).kinetic;
+  const double work = boundaryWork + 0.5 * (afterwards - reversed(time, after) - (afterwards - change - reversed(time, before)));
+  totals_.work += work;
+  totals_.impactLoss += work - change;
+  totals_.passed += std::abs(work) + std::abs(work - change);
 }
 
-void EnergyBalance::addImpacts(double beginTime, const double *begin, double endTime, const double *end, double work, double frictionLoss) {
+// The kinetic energy with the opposite velocities. Where positions depend on time it has a part that is linear in the velocities, whose
+// change in an impact is work of what moves the positions.
+double EnergyBalance::reversed(double time, const double *state) {
+  const tf_model &model = dynamics_.model().model();
+  std::copy_n(state, state_.size(), state_.begin());
+  for (int k = 0; k < model.nv; ++k)
+    state_[model.nq + k] = -state_[model.nq + k];
+  return energyAt(time, state_.data()).kinetic;
+}
+
+void EnergyBalance::addImpacts(double beginTime, const double *begin, double endTime, const double *end, double impactLoss,
+                               double frictionLoss) {
   const double change = energyAt(endTime, end).mechanical() - energyAt(beginTime, begin).mechanical();
-  const double impactLoss = work - frictionLoss - change;
+  const double work = change + frictionLoss + impactLoss;
   totals_.work += work;
   totals_.frictionLoss += frictionLoss;
   totals_.impactLoss += impactLoss;

@@ -29,11 +29,11 @@ public:
   void start(double time, const double *state);
   // Adds the integrals over the integrator's last step; the dynamics is left at a point inside it.
   void addStep(SmoothIntegrator &integrator);
-  // Adds an impact from the velocities in `before` to those in `after`, with the work that moving boundaries did in it.
+  // Adds an impact from the velocities in `before` to those in `after`, with the work of moving boundaries on its rows.
   void addImpact(double time, const double *before, const double *after, double boundaryWork);
 
-  // Adds infinitely many impacts between two points, with the work that was done meanwhile and the loss by friction between the impacts.
-  void addImpacts(double beginTime, const double *begin, double endTime, const double *end, double work, double frictionLoss);
+  // Adds infinitely many impacts between two points, with their loss of energy and the loss by friction between them.
+  void addImpacts(double beginTime, const double *begin, double endTime, const double *end, double impactLoss, double frictionLoss);
 
   [[nodiscard]] const EnergyTotals &totals() const { return totals_; }
   void restore(const EnergyTotals &totals) { totals_ = totals; }
@@ -48,13 +48,21 @@ public:
     [[nodiscard]] double mechanical() const { return kinetic + potential; }
   };
   Energy energyAt(double time, const double *state);
+  double reversed(double time, const double *state);
 
   // |kinetic + potential − start − work + losses| at (time, state), relative to the largest energy that has been seen, at least 1,
   // or to that which has passed through the system, whichever is more.
   double error(double time, const double *state);
 
 private:
+  // What has come together along a part of a trajectory; `known`: the part of its points at which the motion can be evaluated.
+  struct Passage {
+    double known = 0, frictionLoss = 0, work = 0, passed = 0;
+  };
+
   void note(const Energy &energy);
+  Passage integrate(SmoothIntegrator &integrator, const Quadrature &rule, double begin, double length);
+  Passage refine(SmoothIntegrator &integrator, const Passage &whole, double begin, double length, double accepted, int depth);
 
   ModeDynamics &dynamics_;
   EnergyTotals totals_;

@@ -292,28 +292,14 @@ void RestPrediction::stopTouching(std::vector<double> &state) {
   rows_.accelerate(impulses.data(), state.data() + at_.model().nq);
 }
 
-// Work is impulse times velocity: that of the boundary is what J v lacks of the row's rate.
-void RestPrediction::accumulate(const AccumulationPoint &end, const double *velocities, RestPoint &point) const {
+void RestPrediction::accumulate(const AccumulationPoint &end, RestPoint &point) const {
   const int nc = at_.model().nc;
   point.accumulated.assign(nc + 2, 0.0);
   for (int k = 0; k < rows_.normalCount(); ++k)
     point.accumulated[rows_.contacts()[k]] = end.frozenImpulse[k];
-  double &work = point.accumulated[nc], &frictionLoss = point.accumulated[nc + 1];
-  for (int r = 0; r < rows_.count(); ++r) {
-    work += end.impulse[r] * (rows_.product(r, velocities) - problem_.velocity[r]);
-    if (r >= rows_.normalCount())
-      frictionLoss -= (end.impulse[r] - end.frozenImpulse[r]) * problem_.velocity[r];
-  }
-}
-
-// Of applied forces, to O(T²).
-double RestPrediction::appliedWork(double time, const double *state, const RestPoint &end) {
-  double kinetic = 0, potential = 0, before = 0, after = 0;
-  at_.setPoint(time, state);
-  at_.energies(kinetic, potential, before);
-  at_.setPoint(end.time, end.state.data());
-  at_.energies(kinetic, potential, after);
-  return 0.5 * (before + after) * (end.time - time);
+  point.accumulated[nc] = end.loss;
+  for (int r = rows_.normalCount(); r < rows_.count(); ++r)
+    point.accumulated[nc + 1] -= (end.impulse[r] - end.frozenImpulse[r]) * problem_.velocity[r];
 }
 
 // Where the sequence with constant coefficients leads: v' = W f + W Jᵀ λ with W, J and f constant; positions move with the mean velocity.
@@ -335,7 +321,7 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
     if (partner >= 0)
       point.sticking.push_back(rows_.tangents()[partner]);
   }
-  accumulate(end, state + model.nq, point);
+  accumulate(end, point);
   point.state.assign(state, state + dynamics_.size());
   std::fill(change_.begin(), change_.end(), 0.0);
   std::fill(moment_.begin(), moment_.end(), 0.0);
@@ -554,8 +540,8 @@ bool RestPrediction::nothingElseHappens() {
 }
 
 const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Approach> &approaches, const double *state,
-                                             const std::vector<double> &accumulated, bool measuresWork, double tolerance,
-                                             const double *scale, Sensitivities *sensitivities) {
+                                             const std::vector<double> &accumulated, double tolerance, const double *scale,
+                                             Sensitivities *sensitivities) {
   const double previousImpact = lastImpact_;
   if (!recordImpact(time, approaches))
     return nullptr;
@@ -569,8 +555,6 @@ const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Appr
     nextAttempt_ = time + wait_ * (time - previousImpact);
     return nullptr;
   }
-  if (measuresWork)
-    prediction.point.accumulated[at_.model().nc] += appliedWork(time, state, prediction.point);
   prediction.totals.resize(accumulated.size());
   std::ranges::transform(accumulated, prediction.point.accumulated, prediction.totals.begin(), std::plus());
   wait_ = shortestWait;

@@ -23,8 +23,7 @@ struct RestPoint {
   std::vector<int> contacts;        // of the model: those that come to rest, ascending
   std::vector<int> sticking;        // tangential rows of closed contacts whose slip is zero there
   std::vector<double> derivatives;  // of (q, v, z) and time by each sensitivity, where they are asked for
-  // What has come together on the way: normal impulses [nc] of the impacts, work of forces and moving boundaries, loss by friction between
-  // the impacts. The latter two where they are measured.
+  // What has come together on the way: normal impulses [nc] of the impacts, their loss of energy, loss by friction between them.
   std::vector<double> accumulated;
 };
 
@@ -48,8 +47,7 @@ public:
   // null. The pointer is valid until the next call. `sensitivities` (may be null) are those along the impact, whose time moves; their point
   // of rest must be known as well.
   const RestPoint *afterImpact(double time, const std::vector<Approach> &approaches, const double *state,
-                               const std::vector<double> &accumulated, bool measuresWork, double tolerance, const double *scale,
-                               Sensitivities *sensitivities);
+                               const std::vector<double> &accumulated, double tolerance, const double *scale, Sensitivities *sensitivities);
 
   // The last impact of a contact was slow, compared with its fastest one, and its next one is still to be expected.
   [[nodiscard]] bool bouncesLow(double time) const;
@@ -82,8 +80,7 @@ private:
   void classify(const double *state);
   bool evaluateCoefficients(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);
-  void accumulate(const AccumulationPoint &end, const double *velocities, RestPoint &point) const;
-  double appliedWork(double time, const double *state, const RestPoint &end);
+  void accumulate(const AccumulationPoint &end, RestPoint &point) const;
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
   bool predict(double time, const double *state, Prediction &prediction);
   bool predictWithChosen(double time, const double *state, Prediction &prediction);

@@ -357,9 +357,9 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
   if (sensitivities_)
     sensitivities_->reopenEvent(rate_.data());
   accumulated_ = impulse_;
-  accumulated_.push_back(energy_ ? energy_->totals().work : 0);
+  accumulated_.push_back(energy_ ? energy_->totals().impactLoss : 0);
   accumulated_.push_back(energy_ ? energy_->totals().frictionLoss : 0);
-  const RestPoint *rest = rest_.afterImpact(time_, approaches_, state_.data(), accumulated_, energy_ != nullptr, owner_.options.tolerance,
+  const RestPoint *rest = rest_.afterImpact(time_, approaches_, state_.data(), accumulated_, owner_.options.tolerance,
                                             integrators_.current().settings().scale.data(), sensitivities_.get());
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());

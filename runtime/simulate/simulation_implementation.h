@@ -52,7 +52,7 @@ public:
   double time_ = 0;
   std::vector<double> state_, rate_, before_;  // q, v, z, tau; its rate; state before the event that is being handled
   std::vector<double> impulse_;
-  std::vector<double> accumulated_;  // impulse_, then work and loss by friction: as RestPoint::accumulated, since the start
+  std::vector<double> accumulated_;  // impulse_, then losses by impacts and friction: as RestPoint::accumulated, since the start
   std::vector<double> beforeValues_, beforeSensitivities_;
   Mode mode_, previousMode_;
   bool modeValid_ = false;

@@ -176,5 +176,82 @@ end Rub;
   EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, 1e-4);
 }
 
+// The same lift, in its own coordinates, in those of the ground, and as a body that a constraint drives: a ball loses m g h in its impacts,
+// and the lift works against its weight.
+TEST(Energies, OfImpactsInALiftDoNotDependOnTheCoordinates) {
+  const std::string common = R"(
+  parameter Real V = 3, e = 0;
+  gravity g(acceleration = {0, -10});
+)";
+  const std::string models[] = {
+      "coordinate Real y(start = 0.2);\n  body b(mass = 1, position = {0, y + V*time});\n  contact f(gap = y, restitution = e);",
+      "coordinate Real y(start = 0.2, der(start = V));\n  body b(mass = 1, position = {0, y});\n"
+      "  contact f(gap = y - V*time, restitution = e);",
+      "coordinate Real y(start = 0.2, der(start = V)), s(der(start = V));\n  body b(mass = 1, position = {0, y});\n"
+      "  body lift(mass = 5, position = {s, 0});\n  constraint drive(residual = s - V*time);\n"
+      "  contact f(gap = y - s, restitution = e);"};
+  int number = 0;
+  for (const std::string &own : models) {
+    const std::string name = "Lift" + std::to_string(++number);
+    const std::string file =
+        sourceFile("lift" + std::to_string(number) + ".tf", "model " + name + common + "  " + own + "\nend " + name + ";\n");
+    for (const double e : {0.0, 0.6})
+      for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
+        CompiledModel model(file, {{"e", e}});
+        ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+        model.tolerance(tolerance).run(2);
+        EXPECT_NEAR(model["energy.impactLoss"], 2, 1e-9) << number << ", " << e << ", " << tolerance;
+        EXPECT_NEAR(model["energy.work"], 60, 1e-8) << number << ", " << e << ", " << tolerance;
+      }
+  }
+}
+
+// Infinitely many impacts lose m g h while a constraint does other work.
+TEST(Energies, OfInfinitelyManyImpactsBesideADrive) {
+  const std::string file = sourceFile("driven_beside.tf", R"(
+model Beside
+  coordinate Real y(start = 0.5), x(start = 0, der(start = 3)), s(start = 0, der(start = 2));
+  body b(mass = 1, position = {s, y});
+  body d(mass = 1, position = {x, 0});
+  gravity g(acceleration = {0, -10});
+  constraint drive(residual = x - sin(3*time));
+  contact f(gap = y, slip = der(s), friction = 0.1, restitution = 0.8);
+end Beside;
+)");
+  for (const double tolerance : {1e-4, 1e-6, 1e-9, 1e-11}) {
+    CompiledModel model(file);
+    ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+    model.tolerance(tolerance).run(4);
+    EXPECT_GE(model.count(TF_EVENT_REST), 1);
+    EXPECT_NEAR(model["energy.work"], 4.5 * (std::pow(std::cos(12), 2) - 1), 10 * tolerance) << tolerance;
+    // Of friction that part which is in the impacts belongs to them.
+    EXPECT_NEAR(model["energy.impactLoss"] + model["energy.frictionLoss"], 5 + 2, 10 * tolerance) << tolerance;
+  }
+}
+
+// Bodies whose positions are functions of time move where nothing else does, in steps as long as the output lets them.
+TEST(Energies, OfWhatMovesBesideARest) {
+  const std::string file = sourceFile("moves_beside.tf", R"(
+model MovesBeside
+  coordinate Real x, y;
+  body b(mass = 1, position = {x + 0.2*sin(3*time), y + 0.1*sin(5*time)});
+  gravity g(acceleration = {0, -10});
+  contact f(gap = y, slip = der(x), friction = 0.5);
+end MovesBeside;
+)");
+  const auto energy = [](double t) {
+    return 0.5 * (std::pow(0.6 * std::cos(3 * t), 2) + std::pow(0.5 * std::cos(5 * t), 2)) + std::sin(5 * t);
+  };
+  for (const tf_integrator integrator : integrators)
+    for (const double interval : {0.1, 1.0, 20.0}) {
+      CompiledModel model(file);
+      ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+      model.tolerance(1e-8).integrator(integrator).initialise();
+      for (int k = 1; k * interval <= 20; ++k)
+        model.advance(k * interval);
+      EXPECT_NEAR(model["energy.work"], energy(20) - energy(0), 1e-7) << integrator << ", " << interval;
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
