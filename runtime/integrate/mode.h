@@ -18,6 +18,9 @@ struct Mode {
   std::vector<Switch> switches;      // ns
   // nt: of slips with two components that slip, the unit vector that the slip has where it is zero (its limit at the start of slipping).
   std::vector<double> direction = {};
+  // ns, or empty: the condition is zero and what contacts, friction and constraints hold keeps it there, as a velocity relative to the
+  // ground that a body rests on: between the ends of steps it is the error of their interpolants.
+  std::vector<std::uint8_t> held = {};
 
   bool operator==(const Mode &other) const { return closed == other.closed && tangent == other.tangent && switches == other.switches; }
 };

@@ -24,7 +24,7 @@ ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
 
 // A mode without rows and sliding step variables depends on nothing but its step variables, and may begin again as it is.
 bool ModeDynamics::isPrepared(const Mode &mode) const {
-  return preparedRevision_ == at_.parameterRevision() && rows_.count() == 0 && sliding_.empty() && mode == mode_;
+  return preparedRevision_ == at_.parameterRevision() && rows_.count() == 0 && sliding_.empty() && mode == mode_ && mode.held == mode_.held;
 }
 
 // The rows and step variables of the mode; what they hold is not evaluated, but for that of rows which have been solved for (true). Frames

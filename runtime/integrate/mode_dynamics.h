@@ -42,6 +42,7 @@ struct Guard {
   double scale = 1;  // magnitude below 1e-12 · scale is rounding
   // It depends on time, or on inputs that change, beside the state: error control of the state does not resolve it.
   bool varies = false;
+  bool isHeld = false;  // Condition: see Mode::held
 };
 
 // Friction coefficients and bounds of elements that are no further below zero are zero but for rounding.

@@ -98,9 +98,11 @@ void ModeDynamics::buildGuards() {
       guards_.push_back({GuardKind::Condition, j, mode_.switches[j] == Switch::One ? 1.0 : -1.0, 1});
     }
   }
+  for (Guard &guard : guards_)
+    guard.isHeld = guard.kind == GuardKind::Condition && !mode_.held.empty() && mode_.held[guard.index] != 0;
   guardsVary_ = false;
   for (std::size_t k = 0; model.variation != nullptr && k < guards_.size(); ++k) {
-    guards_[k].varies = varies(guards_[k]);
+    guards_[k].varies = !guards_[k].isHeld && varies(guards_[k]);
     guardsVary_ = guardsVary_ || guards_[k].varies;
   }
 }

@@ -228,6 +228,8 @@ void EventDetection::restart(double time, double partOfRounding) {
     chooseAwake();
     readGuards(time, begin_);
   } while (!isCurrent());
+  for (const int k : held_)
+    starts_[k] = {Arming::Not, time, dynamics_.guardValue(k), 0};
   // A gap that opens at a speed needs no distance to be taken for open.
   for (const int k : awake_) {
     const double least = threshold(k);
@@ -259,8 +261,9 @@ void EventDetection::chooseAwake() {
     else
       awake_.push_back(contact - closedBefore);
   });
+  held_.clear();
   for (int k = dynamics_.gapGuardCount(); k < static_cast<int>(dynamics_.guards().size()); ++k)
-    awake_.push_back(k);
+    (dynamics_.guards()[k].isHeld ? held_ : awake_).push_back(k);
 }
 
 // The hull of the cubic through both ends of the step in each coordinate, and a part `reach` of it on either side, is kept by the screen;
@@ -562,6 +565,14 @@ DetectedEvent EventDetection::detect() {
   }
 }
 
+// They are zero at the ends of steps, unless they leave it for good.
+void EventDetection::examineHeld(DetectedEvent &first) {
+  dynamics_.model().setPoint(integrator_->endTime(), integrator_->end());
+  for (const int k : held_)
+    if (first.guard < 0 && dynamics_.guardValue(k) < level(k))
+      first = {k, end_.time, begin_.time, end_.time, 0};
+}
+
 DetectedEvent EventDetection::search() {
   DetectedEvent first;
   first_.time = std::numeric_limits<double>::quiet_NaN();
@@ -595,6 +606,8 @@ DetectedEvent EventDetection::search() {
   }
   if (samplesVarying_)
     examineVarying(first);
+  if (!held_.empty() && first.guard < 0)
+    examineHeld(first);
   if (first.guard >= 0)
     disarmOthers(first.guard);
   return first;

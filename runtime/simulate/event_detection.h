@@ -101,6 +101,7 @@ private:
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
   void examineDip(int guard, const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
   bool fallsLater(int guard, const DetectedEvent &first);
+  void examineHeld(DetectedEvent &first);
   void bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first);
   void newtonZero(int guard, double zero, double x, DetectedEvent &event);
   void illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event);
@@ -153,7 +154,8 @@ private:
   void disarmOthers(int guard);
   std::vector<Start> starts_, resumed_;           // of the guards in awake_
   std::vector<std::pair<int, Arming>> armedNow_;  // in the search, and how they were before
-  std::vector<int> awake_, previous_;             // guards whose contacts are awake (GapScreen), and all others; ascending
+  std::vector<int> awake_, previous_;             // guards whose contacts are awake (GapScreen), and others but for held_; ascending
+  std::vector<int> held_;                         // guards that are held (Guard::isHeld)
   long long awakeRevision_ = -1;
   bool needsForces_ = false;
   bool hasDifferences_ = false;  // guards whose rates at the ends of steps are differences

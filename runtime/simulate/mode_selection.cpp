@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Dense>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -181,6 +183,7 @@ void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
   surfaces_.clear();
   choices_.clear();
   mode_.switches.assign(model.ns, Switch::Zero);
+  mode_.held.assign(model.ns, 0);
   for (int j = 0; j < model.ns; ++j) {
     if (model.switches[j].kind == TF_SWITCH_REST)
       continue;
@@ -524,10 +527,62 @@ ModeSelection::Trial ModeSelection::tryRests(double time, const double *state) {
     return Trial::Consistent;
   const Mode found = mode_;
   const std::vector<std::uint8_t> stayed = stays_;
-  if (!rest(found) || (tryAssignment(time, state) == Trial::Consistent && stays_ == stayed))
-    return Trial::Consistent;
-  mode_.switches = found.switches;
-  return tryAssignment(time, state);
+  if (rest(found) && (tryAssignment(time, state) != Trial::Consistent || stays_ != stayed)) {
+    mode_.switches = found.switches;
+    if (const Trial trial = tryAssignment(time, state); trial != Trial::Consistent)
+      return trial;
+  }
+  return !holdConditions(time, state) || startMode(time, state) ? Trial::Consistent : Trial::Failed;
+}
+
+// Of the switches that rest, those whose conditions no force can move in the mode. True: there are some. conditionsHold has evaluated the
+// gradients.
+bool ModeSelection::holdConditions(double time, const double *state) {
+  const tf_model &model = at_.model();
+  if (model.nh > 0) {
+    at_.setPoint(time, state);
+    at_.constraintRows();
+  }
+  const std::vector<std::uint8_t> before = mode_.held;
+  for (std::size_t s = 0; s < surfaces_.size(); ++s)
+    if (const int j = surfaces_[s]; stays_[s] != 0 && mode_.switches[j] != Switch::Sliding)
+      mode_.held[j] = isHeld(at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * at_.columns()) ? 1 : 0;
+  return mode_.held != before;
+}
+
+// The gradient of a condition by (q, v, z, …): as that of a velocity, or of a position, it is a combination of the rows that the mode
+// holds.
+bool ModeSelection::isHeld(const double *gradient) {
+  const tf_model &model = at_.model();
+  const auto moves = [](const double *part, int count) { return std::any_of(part, part + count, [](double g) { return g != 0; }); };
+  if (model.nq != model.nv && moves(gradient, model.nq))
+    return false;
+  if (moves(gradient + model.nq + model.nv, model.nz + model.nu))
+    return false;
+  std::vector<double> held;
+  const auto add = [&](const double *row) { held.insert(held.end(), row, row + model.nv); };
+  for (int i = 0; i < rows_.normalCount(); ++i)
+    if (mode_.closed[rows_.contacts()[i]])
+      add(rows_.jacobian(i));
+  for (int j = 0; j < static_cast<int>(rows_.tangents().size()); ++j)
+    if (mode_.tangent[rows_.tangents()[j]] == Tangent::Stick)
+      add(rows_.jacobian(rows_.normalCount() + j));
+  for (int row = 0; row < model.nh; ++row)
+    add(at_.constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model.nv);
+  if (held.empty() || !moves(gradient, model.nq + model.nv))
+    return false;
+  const Eigen::Map<const Eigen::MatrixXd> rows(held.data(), model.nv, static_cast<Eigen::Index>(held.size()) / model.nv);
+  constexpr double rounding = 1e-10;
+  const Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> combination(rows);
+  for (const double *part : {gradient, gradient + model.nq}) {
+    const int count = part == gradient ? model.nq : model.nv;
+    if (!moves(part, count))
+      continue;
+    const Eigen::Map<const Eigen::VectorXd> g(part, count);
+    if (!((rows * combination.solve(g) - g).norm() <= rounding * g.norm()))
+      return false;
+  }
+  return true;
 }
 
 const Selection &ModeSelection::select(double time, const double *state, const Mode &previous, EventHint hint) {

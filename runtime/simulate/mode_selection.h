@@ -102,6 +102,8 @@ private:
   Trial tryAssignments(double time, const double *state);
   Trial tryRests(double time, const double *state);
   bool rest(const Mode &found);
+  bool holdConditions(double time, const double *state);
+  bool isHeld(const double *gradient);
   void settleForces(const ContactSolution &solution);
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
   [[nodiscard]] Switch sideOf(int j, EventHint hint) const;

@@ -449,10 +449,12 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   mode_.tangent.resize(model_.nt);
   mode_.switches.resize(model_.ns);
   mode_.direction.resize(model_.nt);
+  mode_.held.resize(model_.ns);
   vector(mode_.closed);
   vector(mode_.tangent);
   vector(mode_.switches);
   vector(mode_.direction);
+  vector(mode_.held);
 }
 
 std::size_t Simulation::Implementation::stateSize() {

@@ -239,7 +239,7 @@ int Simulation::Implementation::switchAhead() {
   at_.setPoint(lookAhead(), interpolated_.data());
   at_.switching(ModelEvaluation::Conditions);
   for (std::size_t k = 0; k < guards.size(); ++k)
-    if (guards[k].kind == GuardKind::Condition && dynamics_.guardValue(static_cast<int>(k)) < 0)
+    if (guards[k].kind == GuardKind::Condition && !guards[k].isHeld && dynamics_.guardValue(static_cast<int>(k)) < 0)
       return static_cast<int>(k);
   return -1;
 }

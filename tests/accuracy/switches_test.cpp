@@ -110,6 +110,54 @@ end AtRest;
     }
 }
 
+// Conditions that a contact or friction keeps at zero while they depend on time: what steps are off by inside is no switch.
+TEST(Switches, ConditionsThatContactsHoldStayZero) {
+  const std::string rest = sourceFile("held_by_contact.tf", R"(
+model Held
+  coordinate Real y(start = 0, der(start = 0.3));
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -9.81});
+  contact c(gap = y - 0.1*sin(3*time));
+  Real above(start = 0), higher(start = 0), distance(start = 0);
+equation
+  der(above) = if der(y) > 0.3*cos(3*time) then 1 else 0;
+  der(higher) = if y > 0.1*sin(3*time) then 1 else 0;
+  der(distance) = abs(der(y) - 0.3*cos(3*time));
+end Held;
+)");
+  const std::string stick = sourceFile("held_by_friction.tf", R"(
+model Stuck
+  coordinate Real x(start = 0, der(start = 0.3));
+  body b(mass = 1, position = x);
+  friction c(slip = der(x) - 0.3*cos(3*time), bound = if time < 2.5 then 5 else 0);
+  Real above(start = 0), higher(start = 0), distance(start = 0);
+equation
+  der(above) = if der(x) > 0.3*cos(3*time) then 1 else 0;
+  der(higher) = if der(x) >= 0.3*cos(3*time) then 0 else 1;
+  der(distance) = abs(der(x) - 0.3*cos(3*time));
+end Stuck;
+)");
+  for (const std::string &file : {rest, stick})
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-3, 1e-6, 1e-9})
+        for (const double interval : {0.01, 2.5}) {
+          SCOPED_TRACE(file + ", integrator " + std::to_string(integrator) + ", " + std::to_string(tolerance));
+          CompiledModel model(file);
+          model.tolerance(tolerance).integrator(integrator).initialise();
+          for (int k = 1; k * interval <= 2.5; ++k)
+            model.advance(k * interval);
+          EXPECT_EQ(model["above"], 0);
+          EXPECT_EQ(model["higher"], 0);
+          EXPECT_NEAR(model["distance"], 0, tolerance);
+          EXPECT_EQ(model.events().size(), 0U);
+        }
+  // Friction ends, and with it the hold.
+  CompiledModel model(stick);
+  model.tolerance(1e-9).run(2.5 + 0.1);
+  EXPECT_NEAR(model["above"], 0.1, 1e-9);
+  EXPECT_EQ(model["higher"], 0);
+}
+
 TEST(Switches, ThatFollowOneThatJustWasAreFound) {
   constexpr int count = 20;
   const std::vector<double> expected = twistingTimes(0.01, count);
