@@ -164,6 +164,7 @@ private:
   // simulation_slips.cpp
   double stopTolerance();
   bool locateStop(DetectedEvent &event);
+  double turnsBefore(const DetectedEvent &event);
   double lingeringSpeed();
   int lingeringSlip();
   tf_status stopLingering(int guard, double limit);

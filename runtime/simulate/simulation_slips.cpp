@@ -18,12 +18,12 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();
   const double part = stopTolerance(), allowed = part * dynamics_.slipScale(event.guard);
   std::vector<double> &state = interpolated_;
+  const double most = 10 * allowed, slow = 1e3 * allowed, turned = turnsBefore(event);
   integrator.interpolate(event.time, state.data());
   at_.setPoint(event.time, state.data());
   at_.switching(ModelEvaluation::Slips);
   const double speed = dynamics_.slipSpeed(event.guard);
-  const double most = 10 * allowed, slow = 1e3 * allowed;
-  if (speed > slow)
+  if (speed > slow || turned > most)
     return false;
   const DetectedEvent detected = event;
   // Slips of one body end together: none of them has a direction there.
@@ -47,6 +47,22 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   std::copy(state.begin(), state.end(), integrator.end());
   integrator.moveEnd(event.time);
   return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
+}
+
+// How much less friction along the slip takes from it until the event where it has the direction of the step's begin: of the slip there as
+// much as the cosine of the angle by which it turns lacks. Of a slip that can only move along a curve no other rest shows that.
+double Simulation::Implementation::turnsBefore(const DetectedEvent &event) {
+  constexpr double before = 0.02;  // of the step: at the stop itself there is no direction
+  SmoothIntegrator &integrator = integrators_.current();
+  const double begin = integrator.beginTime(), time = event.time - before * (event.time - begin);
+  if (!(time > begin && time < event.time))
+    return 0;
+  integrator.interpolate(time, interpolated_.data());
+  at_.setPoint(time, interpolated_.data());
+  const double along = dynamics_.guardValue(event.guard), speed = dynamics_.slipSpeed(event.guard);
+  at_.setPoint(begin, integrator.begin());
+  at_.switching(ModelEvaluation::Slips);
+  return speed > 0 ? dynamics_.slipSpeed(event.guard) * (speed - along) / speed : 0;
 }
 
 // The error of a velocity over a run may be this part of its scale.
@@ -98,7 +114,7 @@ tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
     if (!integrator.shorten(begin + length))
       continue;
     at_.switching(ModelEvaluation::Slips);
-    good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard);
+    good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard) && integrator.isResolved();
   }
   return endStep(0.5 * length);
 }

@@ -126,5 +126,30 @@ end BriefSlip;
   }
 }
 
+// A mass on a circle, against friction in the plane: its slip turns all the way to the stop at t = 2, and is never anywhere else than along
+// the circle.
+TEST(SlipsThatTurn, StopOnACurveWhereTheyDo) {
+  const std::string file = sourceFile("stop_on_a_circle.tf", R"(
+model Circle
+  coordinate Real ph(start = 0, der(start = 2));
+  Real p[2] = {cos(ph), sin(ph)};
+  body b(mass = 1, position = p);
+  friction c(slip = der(p), bound = 1);
+end Circle;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10})
+      for (const double interval : {0.01, 0.3, 3.0}) {
+        SCOPED_TRACE("integrator " + std::to_string(integrator) + ", " + std::to_string(tolerance) + ", " + std::to_string(interval));
+        CompiledModel model(file);
+        model.tolerance(tolerance).integrator(integrator).initialise();
+        for (int k = 1; k * interval < 3 + 0.5 * interval; ++k)
+          model.advance(k * interval);
+        EXPECT_NEAR(model["ph"], 2, 10 * tolerance);
+        EXPECT_NEAR(model.eventTime(TF_EVENT_STICK), 2, 100 * tolerance);
+        EXPECT_NEAR(model["der(ph)"], 0, 1e-15);
+      }
+}
+
 }  // namespace
 }  // namespace tf::test
