@@ -48,7 +48,6 @@ public:
     [[nodiscard]] double mechanical() const { return kinetic + potential; }
   };
   Energy energyAt(double time, const double *state);
-  double reversed(double time, const double *state);
 
   // |kinetic + potential − start − work + losses| at (time, state), relative to the largest energy that has been seen, at least 1,
   // or to that which has passed through the system, whichever is more.
@@ -61,6 +60,7 @@ private:
   };
 
   void note(const Energy &energy);
+  double reversed(double time, const double *state);
   Passage integrate(SmoothIntegrator &integrator, const Quadrature &rule, double begin, double length);
   Passage refine(SmoothIntegrator &integrator, const Passage &whole, double begin, double length, double accepted, int depth);
 
