@@ -3,6 +3,7 @@
 
 #include "compiler/equations/diagnostics.h"
 #include "compiler/equations/structure.h"
+#include "runtime/abi/tf_model.h"
 
 #include <algorithm>
 #include <array>

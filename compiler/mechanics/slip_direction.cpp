@@ -1,6 +1,8 @@
 // Bounds of friction that depend on the direction of their own slip.
 #include "compiler/mechanics/slip_direction.h"
 
+#include "runtime/abi/tf_model.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
