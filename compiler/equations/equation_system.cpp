@@ -365,13 +365,14 @@ NodeId EquationSystem::parametricStep(const ProvisionalSwitch &provisional, Node
 }
 
 NodeId EquationSystem::restOf(int index) {
-  const auto found = std::ranges::find(switches_, index, &Switch::of);
-  const auto rest = static_cast<int>(found - switches_.begin());
-  if (found == switches_.end()) {
-    const Switch shared = switches_[static_cast<std::size_t>(index)];
-    switches_.push_back({shared.condition, SwitchKind::Rest, false, shared.text, shared.span, index});
-  }
-  return graph_.symbol(SymbolKind::StepVariable, rest);
+  Switch &shared = switches_[static_cast<std::size_t>(index)];
+  if (shared.rest >= 0)
+    return graph_.symbol(SymbolKind::StepVariable, shared.rest);
+  shared.rest = static_cast<int>(switches_.size());
+  const NodeId variable = graph_.symbol(SymbolKind::StepVariable, shared.rest);
+  const Switch added = {shared.condition, SwitchKind::Rest, false, shared.text, shared.span, index};
+  switches_.push_back(added);
+  return variable;
 }
 
 bool EquationSystem::defineSwitch(int id) {

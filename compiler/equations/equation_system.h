@@ -32,7 +32,8 @@ struct Switch {
   bool zeroIsPositive = false;
   std::string text;
   Span span;
-  int of = -1;  // Rest: the other one
+  int of = -1;    // Rest: the other one
+  int rest = -1;  // the step variable of its rest, where there is one
 };
 
 class EquationSystem {
