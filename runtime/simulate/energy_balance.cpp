@@ -75,6 +75,7 @@ EnergyBalance::Passage EnergyBalance::refine(SmoothIntegrator &integrator, const
 // the integrals do not explain how the energy has changed they need more points.
 void EnergyBalance::addStep(SmoothIntegrator &integrator) {
   constexpr double part = 1e-3;  // of the tolerance
+  constexpr double clear = 100;  // what is less is the error of the step itself
   constexpr int deepest = 12;
   const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
   // Between the stages of a method that follows a slip of two components from zero its direction, out of small differences, is poor.
@@ -87,7 +88,7 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator) {
   } else if (!usesStages) {
     const double change = energyAt(integrator.endTime(), integrator.end()).mechanical() - energyAt(begin, integrator.begin()).mechanical();
     const double accepted = part * integrator.settings().tolerance * std::max(totals_.largest, totals_.passed);
-    if (std::abs(passage.work - passage.frictionLoss - change) > accepted)
+    if (std::abs(passage.work - passage.frictionLoss - change) > clear * accepted)
       passage = refine(integrator, passage, begin, length, accepted, deepest);
   }
   totals_.frictionLoss += passage.frictionLoss;
