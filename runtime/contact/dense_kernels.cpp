@@ -57,6 +57,47 @@ __attribute__((always_inline)) inline void addOf(double factor, const double *x,
     y[k] += factor * x[k];
 }
 
+__attribute__((always_inline)) inline void takeLarger(Lanes &largest, const Lanes &x) {
+  const Lanes magnitude = x < 0 ? -x : x;
+  largest = magnitude > largest ? magnitude : largest;
+}
+
+__attribute__((always_inline)) inline double largestOf(const Lanes &x) {
+  double largest = 0;
+  for (int lane = 0; lane < panelLanes; ++lane)
+    largest = std::max(largest, x[lane]);
+  return largest;
+}
+
+// As subtractRows, `partCount` known or not.
+__attribute__((always_inline)) inline RowRest subtractAny(const double *row, const double *scale, const double *factors,
+                                                          const double *const *parts, int partCount, int count, double *rest) {
+  Lanes largest{}, ofRow{}, a, b;
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    load(a, row + k);
+    load(b, scale + k);
+    a *= b;
+    takeLarger(ofRow, a);
+    for (int i = 0; i < partCount; ++i) {
+      load(b, parts[i] + k);
+      a -= factors[i] * b;
+    }
+    takeLarger(largest, a);
+    store(a, rest + k);
+  }
+  RowRest result{largestOf(largest), largestOf(ofRow)};
+  for (; k < count; ++k) {
+    double value = row[k] * scale[k];
+    result.ofRow = std::max(result.ofRow, std::abs(value));
+    for (int i = 0; i < partCount; ++i)
+      value -= factors[i] * parts[i][k];
+    result.largest = std::max(result.largest, std::abs(value));
+    rest[k] = value;
+  }
+  return result;
+}
+
 // x ← H_k x
 __attribute__((always_inline)) inline void reflectByOne(const double *matrix, int rows, int k, double scale, double *x) {
   const double *v = matrix + static_cast<std::ptrdiff_t>(k) * rows + k;
@@ -213,6 +254,81 @@ template <int count> __attribute__((always_inline)) inline void eliminateFour(co
 }  // namespace
 
 TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
+
+TF_WIDE void subtractProduct(const double *matrix, int rows, int columns, const double *x, double *y) {
+  for (int i = 0; i < rows; ++i)
+    y[i] -= dotOf(matrix + static_cast<std::ptrdiff_t>(i) * columns, x, columns);
+}
+
+TF_WIDE double dotAndAdd(const double *row, const double *x, double factor, double *y, int count) {
+  const double sum = dotOf(row, x, count);
+  if (factor != 0)
+    addOf(factor, row, y, count);
+  return sum;
+}
+
+TF_WIDE double copyAndWeigh(const double *x, const double *weight, int count, double *y) {
+  Lanes sum{}, a, b;
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    load(a, x + k);
+    load(b, weight + k);
+    store(a, y + k);
+    sum += a * b;
+  }
+  double rest = 0;
+  for (; k < count; ++k) {
+    y[k] = x[k];
+    rest += x[k] * weight[k];
+  }
+  return sumOf(sum) + rest;
+}
+
+TF_WIDE int firstWithin(const double *values, int begin, int end, double x, double accepted) {
+  int k = begin;
+  for (; k + panelLanes <= end; k += panelLanes) {
+    Lanes a;
+    load(a, values + k);
+    a -= x;
+    const Lanes magnitude = a < 0 ? -a : a;
+    const auto isWithin = magnitude <= accepted;
+    if (((isWithin[0] | isWithin[1]) | (isWithin[2] | isWithin[3])) | ((isWithin[4] | isWithin[5]) | (isWithin[6] | isWithin[7])))
+      break;
+  }
+  while (k < end && !(std::abs(values[k] - x) <= accepted))
+    ++k;
+  return k;
+}
+
+TF_WIDE Difference largestDifference(const double *x, const double *y, int count) {
+  Lanes largest{}, ofFirst{}, a, b;
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    load(a, x + k);
+    load(b, y + k);
+    takeLarger(ofFirst, a);
+    a -= b;
+    takeLarger(largest, a);
+  }
+  Difference result{largestOf(largest), largestOf(ofFirst)};
+  for (; k < count; ++k) {
+    result.largest = std::max(result.largest, std::abs(x[k] - y[k]));
+    result.ofFirst = std::max(result.ofFirst, std::abs(x[k]));
+  }
+  return result;
+}
+
+TF_WIDE RowRest subtractRows(const double *row, const double *scale, const double *factors, const double *const *parts, int partCount,
+                             int count, double *rest) {
+  switch (partCount) {
+  case 2:
+    return subtractAny(row, scale, factors, parts, 2, count, rest);
+  case 3:
+    return subtractAny(row, scale, factors, parts, 3, count, rest);
+  default:
+    return subtractAny(row, scale, factors, parts, partCount, count, rest);
+  }
+}
 
 TF_WIDE void reflectColumns(double *matrix, int rows, int j, const double *scale, const double *cross) {
   for (int k = 0; k + 1 < j; k += 2)

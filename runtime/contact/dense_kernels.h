@@ -14,6 +14,28 @@ constexpr int panelLanes = 8;
 // Σ a_k b_k
 [[nodiscard]] double denseDot(const double *a, const double *b, int count);
 
+// y_i −= Σ_k A_ik x_k of a row-major matrix
+void subtractProduct(const double *matrix, int rows, int columns, const double *x, double *y);
+// y += factor · row; returns Σ row_k x_k, x and y apart from each other.
+double dotAndAdd(const double *row, const double *x, double factor, double *y, int count);
+
+// y = x; returns Σ x_k weight_k.
+double copyAndWeigh(const double *x, const double *weight, int count, double *y);
+// The first place from `begin` on whose value is within `accepted` of x; `end`: none.
+int firstWithin(const double *values, int begin, int end, double x, double accepted);
+// The largest |x_k − y_k| and |x_k|.
+struct Difference {
+  double largest = 0, ofFirst = 0;
+};
+Difference largestDifference(const double *x, const double *y, int count);
+
+// rest_k = row_k scale_k − Σ_i factors_i parts_i,k, and the largest magnitudes of rest_k and of row_k scale_k.
+struct RowRest {
+  double largest = 0, ofRow = 0;
+};
+RowRest subtractRows(const double *row, const double *scale, const double *factors, const double *const *parts, int partCount, int count,
+                     double *rest);
+
 // Householder's QR decomposition of a matrix with so many rows, column-major, column after column: the first j columns hold v_k, from row k
 // on, of the reflections H_k = I − scale_k v_k v_kᵀ, scale_k = 2/‖v_k‖², and R above. Column j becomes H_{j−1} … H_0 times itself and then,
 // from row j on, v_j; R_jj in `diagonal`, and cross_j = v_{j−1}ᵀ v_j for odd j: reflections are applied in pairs. False, with no v_j and

@@ -125,8 +125,44 @@ bool ForceSet::sharesMove(const ContactProblem &problem) {
   return largest > 0 && largest > visible * delassus.cwiseAbs().maxCoeff();
 }
 
+bool ForceSet::listEquations(std::vector<int> &rows, std::vector<ForceLimit> &saturated) const {
+  saturated.clear();
+  if (!singular_) {
+    rows = equations_.active();
+    return true;
+  }
+  if (conic_ || !reference_.empty())
+    return false;
+  rows.clear();
+  for (const int constraint : polyhedron_.active())
+    if (constraint < activeCount())
+      rows.push_back(equations_.active()[constraint]);
+    else
+      saturated.push_back(limits_[constraint - activeCount()]);
+  return true;
+}
+
+// Of equal rows the least-norm forces are equal but for the multipliers of their limits.
+void ForceSet::take(const ContactProblem &problem, const std::vector<double> &forces, const std::vector<double> &rest,
+                    const std::vector<double> &shares) {
+  view(problem);
+  forces_ = forces;
+  isTaken_ = true;
+  takenContradiction_ = 0;
+  if (!singular_)
+    return;
+  for (const int r : dependent_)
+    takenContradiction_ = std::max(takenContradiction_, std::abs(rest[equations_.active()[r]]) / (length_[r] * forceScale_));
+  takenMultiplier_.resize(limits_.size());
+  findWeights();
+  for (const int constraint : polyhedron_.active())
+    if (const int l = constraint - activeCount(); l >= 0)
+      takenMultiplier_[l] = limits_[l].side * (shares[limits_[l].row] - forces[limits_[l].row]) * limitRow(l).length;
+}
+
 bool ForceSet::solveRegular(const ContactProblem &problem) {
   view(problem);
+  isTaken_ = false;
   equations_.assemble(rows_, factor_.matrix());
   if (!factor_.factor(0))
     return false;
@@ -283,10 +319,9 @@ void ForceSet::findPolyhedronMultipliers(Eigen::VectorXd &equations) {
       limitMultiplier_[constraint - k] = polyhedron_.multipliers()[a] / length_[constraint];
 }
 
-// A x = rhs in y = weight·x. ‖λ‖² = Σ weight² x² + constant: a normal force takes its friction along.
-void ForceSet::weighEquations() {
+// ‖λ‖² = Σ weight² x² + constant: a normal force takes its friction along.
+void ForceSet::findWeights() {
   const int k = activeCount();
-  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
   weight_.assign(k, 1.0);
   for (int j = 0; j < rows_.tangentCount; ++j) {
     const int owner = rows_.owner[j];
@@ -300,6 +335,12 @@ void ForceSet::weighEquations() {
     weight_[c] = std::sqrt(weight_[c]);
     inverseWeight_[c] = 1 / weight_[c];
   }
+}
+
+// A x = rhs in y = weight·x.
+void ForceSet::weighEquations() {
+  equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
+  findWeights();
 }
 
 // Of the reference, where the normal has the entries `normal` for weighted unknowns.
@@ -499,6 +540,7 @@ int ForceSet::conicSaturated(int k) const {
 
 bool ForceSet::solveActive(const ContactProblem &problem) {
   view(problem);
+  isTaken_ = false;
   if (conic_) {
     if (!prepareConic())
       return false;
@@ -611,6 +653,8 @@ void ForceSet::loadActive() {
 
 // What is left of the accelerations of dependent rows, by the lengths that these had when the set was chosen.
 double ForceSet::contradiction() const {
+  if (isTaken_)
+    return takenContradiction_;
   double worst = 0;
   for (const int r : dependent_) {
     const int row = equations_.active()[r];

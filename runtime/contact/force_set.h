@@ -61,7 +61,7 @@ public:
 
   // The least-norm force. Tolerances are relative to the force scale of the problem.
   LeastNorm::Status solveLeastNorm(const ContactProblem &problem, double tolerance) {
-    hasEqualShares_ = false;
+    hasEqualShares_ = isTaken_ = false;
     const LeastNorm::Status status = conic_ ? solveConic(problem, tolerance) : solvePolyhedron(problem, tolerance);
     leastNormTolerance_ = status == LeastNorm::Status::Solved ? tolerance : std::numeric_limits<double>::infinity();
     return status;
@@ -70,6 +70,13 @@ public:
   // the unique force if there is one within the limits, to `tolerance` of the largest force (the rows are not singular from then on); else
   // the one nearest to `known` (n + m, may be null: none), forces of the same problem that have been found otherwise. False: neither.
   bool solveNearlyDependent(const ContactProblem &problem, const std::vector<double> *known, double tolerance);
+  // The rows of the equations that the representative obeys, and the limits that it saturates. False: more than these give it, as where it
+  // is that of a cone. After `singular`, solveLeastNorm, activate or release.
+  bool listEquations(std::vector<int> &rows, std::vector<ForceLimit> &saturated) const;
+  // Forces (n + m) that others have found by them; of the other rows (n + m) what is left of their accelerations, and of those with
+  // saturated limits the force of an equal row without one.
+  void take(const ContactProblem &problem, const std::vector<double> &forces, const std::vector<double> &rest,
+            const std::vector<double> &shares);
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
   // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force
@@ -93,9 +100,11 @@ public:
   [[nodiscard]] bool mayContradict() const { return !conic_ && !dependent_.empty(); }
   [[nodiscard]] double contradiction() const;
 
-  // Of a saturated limit of a polyhedron, in the unit of forces.
-  [[nodiscard]] double multiplier(int activeIndex) {
-    return hasEqualShares_ ? equalShares_.multipliers()[activeIndex] : polyhedron_.multipliers()[activeIndex];
+  // Of limits()[k], saturated, of a polyhedron, in the unit of forces.
+  [[nodiscard]] double multiplier(int k) {
+    if (isTaken_)
+      return takenMultiplier_[k];
+    return hasEqualShares_ ? equalShares_.multipliers()[saturated(k)] : polyhedron_.multipliers()[saturated(k)];
   }
   // Slack of limits()[k] at forces().
   [[nodiscard]] double slack(const ContactProblem &problem, int k) const;
@@ -113,6 +122,7 @@ private:
   LeastNorm::Status solveConic(const ContactProblem &problem, double tolerance);
   LeastNorm::Status solvePolyhedron(const ContactProblem &problem, double tolerance);
   void loadPolyhedron(LeastNorm &polyhedron);
+  void findWeights();
   void weighEquations();
   void loadEquation(LeastNorm &polyhedron, int r);
   [[nodiscard]] double atReference(const double *normal) const;
@@ -146,7 +156,10 @@ private:
   LeastNorm polyhedron_, far_;
   EqualShares equalShares_;
   bool hasEqualShares_ = false;  // which have given the forces: polyhedron_ knows its active set only
-  bool hasFar_ = false;          // far_ has the equations of the last solveLeastNorm
+  bool isTaken_ = false;         // forces_ are from elsewhere, with what rows contradict one another by
+  double takenContradiction_ = 0;
+  std::vector<double> takenMultiplier_;  // of limits
+  bool hasFar_ = false;                  // far_ has the equations of the last solveLeastNorm
   std::vector<ForceLimit> limits_;
   std::vector<std::uint8_t> active_;
   std::vector<std::int8_t> slip_;

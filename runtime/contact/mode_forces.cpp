@@ -37,6 +37,8 @@ struct ModeForces::Workspace {
   double allowed = contradiction;  // between redundant rows
   bool mayPress = false;
   PressingMargin pressing;
+  bool isTaken = false;  // the forces are from elsewhere, with
+  double takenDeterminant = 1;
 
   void beginPressing() {
     set->factor().inverseDeterminant(pressing.inverseDeterminant);
@@ -76,11 +78,11 @@ struct ModeForces::Workspace {
     case ModeMargin::contradiction:
       return set->forceScale() * (1 - set->contradiction() / allowed);
     case ModeMargin::pressing:
-      return pressing.value(set->factor().determinantTimes(pressing.inverseDeterminant));
+      return pressing.value(isTaken ? takenDeterminant : set->factor().determinantTimes(pressing.inverseDeterminant));
     default:
       break;
     }
-    return margin.multiplier ? set->multiplier(set->saturated(k)) : set->slack(*problem, k);
+    return margin.multiplier ? set->multiplier(k) : set->slack(*problem, k);
   }
 };
 
@@ -92,6 +94,7 @@ ModeForces &ModeForces::operator=(ModeForces &&) noexcept = default;
 bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, std::unique_ptr<ForceSet> *found,
                        const std::vector<double> *known) {
   Workspace &w = *work_;
+  w.isTaken = false;
   if (found != nullptr && (*found)->hasMode(problem, mode)) {
     w.set->forget();
     w.set.swap(*found);
@@ -127,8 +130,22 @@ void ModeForces::acceptContradiction() {
     w.allowed = std::max(w.allowed, clearly * w.set->contradiction());
 }
 
+void ModeForces::take(const ContactProblem &problem, const std::vector<double> &forces, const std::vector<double> &rest,
+                      const std::vector<double> &shares, double relativeDeterminant) {
+  Workspace &w = *work_;
+  w.set->take(problem, forces, rest, shares);
+  w.isTaken = true;
+  w.takenDeterminant = relativeDeterminant;
+  w.setProblem(problem);
+}
+
+bool ModeForces::listEquations(std::vector<int> &rows, std::vector<ForceLimit> &saturated) const {
+  return work_->set->listEquations(rows, saturated);
+}
+
 bool ModeForces::evaluate(const ContactProblem &problem) {
   Workspace &w = *work_;
+  w.isTaken = false;
   const bool valid = w.redundant ? w.set->solveActive(problem) : w.set->solveRegular(problem);
   if (valid)
     w.setProblem(problem);

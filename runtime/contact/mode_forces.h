@@ -58,7 +58,14 @@ public:
   // matrix has become singular (of a mode that is not redundant), or an entry is not finite.
   bool evaluate(const ContactProblem &problem);
 
-  [[nodiscard]] std::span<const double> forces() const;         // n + m, after start or evaluate
+  // As `evaluate`, with forces that others have found (ForceSet::take), and the determinant of the forces' matrix relative to the begin of
+  // the mode (where there is such a margin). Of `problem` D and φ are not read.
+  void take(const ContactProblem &problem, const std::vector<double> &forces, const std::vector<double> &rest,
+            const std::vector<double> &shares, double relativeDeterminant);
+  // See ForceSet::listEquations.
+  bool listEquations(std::vector<int> &rows, std::vector<ForceLimit> &saturated) const;
+
+  [[nodiscard]] std::span<const double> forces() const;         // n + m, after start, evaluate or take
   [[nodiscard]] std::span<const double> accelerations() const;  // n + m: exactly 0 on the active rows
   [[nodiscard]] bool redundant() const;
 

@@ -82,7 +82,7 @@ bool ModeDynamics::choose(const Mode &mode, double time, const double *state, co
   for (int j : sliding_)
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
   leastMargins_.clear();
-  isFolded_ = isSmall_ = false;
+  isFolded_ = isSmall_ = isLinked_ = false;
   projection_.use(nullptr);
   return isSolved && slips_.empty() && sliding_.empty();
 }
@@ -114,6 +114,7 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
     folded_.choose(at_, rows_, problem_, contactMode_, forces_);
   isSmall_ = isFolded_ && folded_.isSmall();
   projection_.use(isSmall_ ? &folded_ : nullptr);
+  chooseLinked();
   buildGuards();
   settled_ = nullptr;
   preparedRevision_ = at_.parameterRevision();
@@ -369,7 +370,7 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
   isProjected_ = false;
   correction_ = 0;
   // What fails there is found and named here.
-  if (isSmall_ && evaluateSmall(time, state, rate))
+  if ((isSmall_ && evaluateSmall(time, state, rate)) || (isLinked_ && evaluateLinked(time, state, rate)))
     return true;
   if (!prepare(time, state) || !solveForces())
     return false;
@@ -424,6 +425,28 @@ bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate)
     at_.forces();
   }
   return folded_.evaluateSmall(at_, problem_, at_.acceleration.data()) && giveRate(rate);
+}
+
+// Slips of two components and step variables that slide are left to the dense equations.
+void ModeDynamics::chooseLinked() {
+  isLinked_ = !isFolded_ && sliding_.empty() && slips_.empty() && linked_.choose(at_, rows_, problem_, contactMode_, forces_);
+}
+
+// False: by this means it cannot be evaluated there, and will not be until the mode begins again.
+bool ModeDynamics::evaluateLinked(double time, const double *state, double *rate) {
+  ++evaluations_;
+  failure_ = EvaluationFailure::None;
+  at_.setPoint(time, state);
+  isGathered_ = hasRows_ = isComplete_ = false;
+  if (rows_.count() > 0) {
+    at_.contactForces(mask_.data());
+    system_.gather(at_);
+    watchFriction();
+  } else {
+    at_.forces();
+  }
+  isLinked_ = linked_.evaluate(at_, rows_, problem_, at_.acceleration.data(), forces_) && giveRate(rate);
+  return isLinked_;
 }
 
 // The latest forces into the model's arrays, with what follows from them.

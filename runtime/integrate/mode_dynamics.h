@@ -8,6 +8,7 @@
 #include "runtime/contact/mode_forces.h"
 #include "runtime/integrate/contact_system.h"
 #include "runtime/integrate/folded_forces.h"
+#include "runtime/integrate/linked_forces.h"
 #include "runtime/integrate/mode.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/projection.h"
@@ -245,6 +246,8 @@ private:
   bool prepare(double time, const double *state);
   bool evaluateSolved(double time, const double *state, const SolvedContacts &solved, double *rate);
   bool evaluateSmall(double time, const double *state, double *rate);
+  bool evaluateLinked(double time, const double *state, double *rate);
+  void chooseLinked();
   bool giveRate(double *rate);
   void watchFriction();
   bool solveForces();
@@ -281,9 +284,11 @@ private:
   ContactMode contactMode_;
   ModeForces forces_;
   FoldedForces folded_;
+  LinkedForces linked_;
   ShareDerivatives shareDerivatives_;
   bool isFolded_ = false;    // folded_ gives the forces
   bool isSmall_ = false;     // by evaluateSmall
+  bool isLinked_ = false;    // linked_ gives the forces, by evaluateLinked
   bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M
   bool hasRows_ = false;     // D is that of the last evaluation too
   bool isComplete_ = false;  // and forces_

@@ -235,6 +235,7 @@ bool ModeDynamics::rechoose(int guard) {
   complete();
   if (forces_.cross(guards_[guard].index) != MarginOutcome::Rechosen)
     return false;
+  chooseLinked();
   buildGuards();
   return true;
 }

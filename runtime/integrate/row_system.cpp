@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <numeric>
 
@@ -16,11 +17,13 @@ namespace {
 // Zeros are looked for in so many entries at once.
 constexpr int chunk = 8;
 
+// By the bits but that of the sign.
 bool allZero(const double *x) {
-  bool zero = true;
-  for (int k = 0; k < chunk; ++k)
-    zero &= x[k] == 0;
-  return zero;
+  std::uint64_t bits[chunk], any = 0;
+  std::memcpy(bits, x, sizeof bits);
+  for (const std::uint64_t own : bits)
+    any |= own;
+  return any << 1 == 0;
 }
 
 int leadingZeros(const double *x, int count) {
@@ -41,50 +44,10 @@ int trailingZeros(const double *x, int count) {
   return count - k;
 }
 
-// Several maxima: one would be waited for.
-double largestOf(const double *x, int count) {
-  double parts[chunk] = {};
-  int k = 0;
-  for (; k + chunk <= count; k += chunk)
-    for (int j = 0; j < chunk; ++j)
-      parts[j] = std::max(parts[j], std::abs(x[k + j]));
-  for (; k < count; ++k)
-    parts[0] = std::max(parts[0], std::abs(x[k]));
-  return *std::max_element(parts, parts + chunk);
-}
-
-bool areClose(const double *x, const double *y, int count, double accepted) {
-  int k = 0;
-  for (bool close = true; k + chunk <= count; k += chunk) {
-    for (int j = 0; j < chunk; ++j)
-      close &= std::abs(x[k + j] - y[k + j]) <= accepted;
-    if (!close)
-      return false;
-  }
-  for (; k < count; ++k)
-    if (!(std::abs(x[k] - y[k]) <= accepted))
-      return false;
-  return true;
-}
-
-// The first place from `begin` on whose value is that close to x; `end`: none.
-int nearestPlace(const double *values, int begin, int end, double x, double accepted) {
-  int k = begin;
-  for (bool any = false; k + chunk <= end; k += chunk) {
-    for (int j = 0; j < chunk; ++j)
-      any |= std::abs(values[k + j] - x) <= accepted;
-    if (any)
-      break;
-  }
-  while (k < end && !(std::abs(values[k] - x) <= accepted))
-    ++k;
-  return k;
-}
-
-// To rounding, which is the rarer case than that of the same bits.
 bool areEqual(const double *x, const double *y, int count) {
   constexpr double rounding = 1e-15;
-  return std::memcmp(x, y, sizeof(double) * static_cast<std::size_t>(count)) == 0 || areClose(x, y, count, rounding * largestOf(x, count));
+  const Difference difference = largestDifference(x, y, count);
+  return difference.largest <= rounding * difference.ofFirst;
 }
 
 }  // namespace
@@ -155,15 +118,14 @@ void RowSystem::prepareTwins() {
 }
 
 // Only rows are compared whose products with a vector of no regularity are equal, too. A pair that is missed costs time only.
-void RowSystem::findTwin(int i) {
+void RowSystem::findTwin(int i, double mark) {
   constexpr double similar = 1e-13;
   const double *row = jacobian(i);
-  const double mark = product(i, marker_.data()), accepted = similar * std::abs(mark);
-  const int count = static_cast<int>(first_.size());
+  const double accepted = similar * std::abs(mark);
+  const int count = static_cast<int>(first_.size()), end = endOf(i);
   twin_[i] = i;
-  for (int k = nearestPlace(mark_.data(), 0, count, mark, accepted); k < count;
-       k = nearestPlace(mark_.data(), k + 1, count, mark, accepted))
-    if (areEqual(row, jacobian(first_[k]), nv_)) {
+  for (int k = firstWithin(mark_.data(), 0, count, mark, accepted); k < count; k = firstWithin(mark_.data(), k + 1, count, mark, accepted))
+    if (areEqual(row, jacobian(first_[k]), std::max(end, endOf(first_[k])))) {
       twin_[i] = first_[k];
       return;
     }
@@ -173,30 +135,33 @@ void RowSystem::findTwin(int i) {
 
 // Rows are read as a whole where that costs no more than looking for their zeros.
 void RowSystem::gatherRows(const ModelEvaluation &at) {
-  const int n = normalCount();
-  const int m = count();
-  if (nv_ > narrow) {
+  const int n = normalCount(), m = count();
+  const bool isNarrow = nv_ <= narrow;
+  if (!isNarrow) {
     first_.clear();
     spans_.clear();
     firstSpan_.assign(1, 0);
   }
   for (int i = 0; i < m; ++i) {
     double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
-    if (i < n || side_[i - n] == 0) {
-      const double *source = i < n ? at.normal.data() + static_cast<std::ptrdiff_t>(contacts_[i]) * nv_
-                                   : at.tangent.data() + static_cast<std::ptrdiff_t>(tangents_[i - n]) * nv_;
-      for (int k = 0; k < nv_; ++k)
-        row[k] = source[k];
-    } else {
+    const double *source = row;
+    if (i < n)
+      source = at.normal.data() + static_cast<std::ptrdiff_t>(contacts_[i]) * nv_;
+    else if (side_[i - n] == 0)
+      source = at.tangent.data() + static_cast<std::ptrdiff_t>(tangents_[i - n]) * nv_;
+    else
       for (int k = 0; k < nv_; ++k)
         row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
+    if (isNarrow) {
+      for (int k = 0; k < nv_; ++k)
+        row[k] = source[k];
+      continue;
     }
-    if (nv_ > narrow) {
-      findSpans(i);
-      findTwin(i);
-    }
+    const double mark = copyAndWeigh(source, marker_.data(), nv_, row);
+    findSpans(i);
+    findTwin(i, mark);
   }
-  hasTwins_ = nv_ > narrow && static_cast<int>(first_.size()) < m;
+  hasTwins_ = !isNarrow && static_cast<int>(first_.size()) < m;
 }
 
 void RowSystem::gatherLimits(const ModelEvaluation &at, ContactRows &rows) const {

@@ -73,6 +73,12 @@ public:
         spreadTurned(static_cast<int>(j), forces, modelForces);
   }
 
+  // The first row that is equal to row i to rounding; and where its last entries that are zero begin. Of rows that have been gathered,
+  // wider than `narrow`.
+  [[nodiscard]] int firstEqual(int i) const { return twin_[i]; }
+  [[nodiscard]] int uniqueCount() const { return static_cast<int>(first_.size()); }
+  [[nodiscard]] int endOf(int i) const { return firstSpan_[i] < firstSpan_[i + 1] ? spans_[firstSpan_[i + 1] - 1].end : 0; }
+
   // Number of velocities.
   [[nodiscard]] int width() const { return nv_; }
   [[nodiscard]] int count() const { return count_; }
@@ -114,7 +120,7 @@ private:
   }
   void findSpans(int row);
   void prepareTwins();
-  void findTwin(int i);
+  void findTwin(int i, double mark);
   void copyTwins(DenseMatrix &delassus) const;
   const double *sumOverTwins(const double *forces) const;
   [[nodiscard]] bool isWhole() const { return nv_ <= MassMatrix::fixedSize; }

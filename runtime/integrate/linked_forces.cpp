@@ -1,0 +1,176 @@
+#include "runtime/integrate/linked_forces.h"
+
+#include <algorithm>
+
+namespace tf::runtime {
+
+namespace {
+
+// Multiplications of the dense equations, whose loops are long and simple, against those of the recursion: measured, to some tens of
+// percent.
+bool isWorthwhile(double velocities, double rows) {
+  constexpr double ofOneStep = 600;
+  const double mass = velocities * velocities * velocities / 6;
+  const double response = velocities * rows * (velocities + rows) / 2, forces = rows * rows * rows / 3;
+  return mass + response + forces > ofOneStep * (velocities + rows);
+}
+
+}  // namespace
+
+bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
+                          const ModeForces &start) {
+  const tf_model &model = at.model();
+  if (model.nv <= RowSystem::narrow || model.nh > 0 || at.mobility.mass().blocks().size() != 1 ||
+      !isWorthwhile(model.nv, rows.uniqueCount()))
+    return false;
+  force_.resize(model.nv);
+  forces_.resize(rows.count());
+  rest_.assign(rows.count(), 0.0);
+  shares_.assign(rows.count(), 0.0);
+  equations_.clear();
+  saturated_.clear();
+  if (rows.count() > 0 && !start.listEquations(equations_, saturated_))
+    return false;
+  if (!listActive(rows, problem, mode) || !factorise(at, rows, problem))
+    return false;
+  const auto margins = rows.count() > 0 ? start.margins() : std::span<const ModeMargin>();
+  mayPress_ =
+      std::any_of(margins.begin(), margins.end(), [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; });
+  if (mayPress_)
+    begin_ = system_.determinant();
+  return true;
+}
+
+// False: a normal force is at its limit, and shares what equal ones do.
+bool LinkedForces::listActive(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode) {
+  const int n = rows.normalCount();
+  active_.clear();
+  limited_.clear();
+  for (int row = 0; row < rows.count(); ++row) {
+    const auto limit = std::find_if(saturated_.begin(), saturated_.end(), [row](const ForceLimit &other) { return other.row == row; });
+    if (limit != saturated_.end() && limit->side == 0)
+      return false;
+    if (limit != saturated_.end())
+      limited_.push_back({row, problem.owner[row - n], static_cast<double>(-limit->side), true});
+    else if (row < n || mode.slip[row - n] == 0)
+      active_.push_back(row);
+    else
+      limited_.push_back({row, problem.owner[row - n], static_cast<double>(mode.slip[row - n]), false});
+  }
+  return true;
+}
+
+// Of equal rows the first one.
+void LinkedForces::listRows(const RowSystem &rows) {
+  rows_.clear();
+  number_.resize(rows.count());
+  for (int row = 0; row < rows.count(); ++row) {
+    const int first = rows.firstEqual(row);
+    if (first == row) {
+      number_[row] = static_cast<int>(rows_.size());
+      rows_.push_back({rows.jacobian(row), rows.endOf(row)});
+    } else {
+      number_[row] = number_[first];
+    }
+  }
+}
+
+// Friction that a normal force takes along tells it apart from those of equal rows.
+void LinkedForces::findSets(const RowSystem &rows, const ContactRows &problem) {
+  const int n = rows.normalCount();
+  isAlone_.assign(active_.size(), 0);
+  frictions_.clear();
+  for (const Limited &limited : limited_)
+    if (limited.place >= 0 && problem.friction[limited.row - n] != 0)
+      isAlone_[limited.place] = 1;
+  sets_.clear();
+  setOf_.resize(active_.size());
+  setOfRow_.assign(rows.count(), -1);
+  unknowns_.clear();
+  for (std::size_t a = 0; a < active_.size(); ++a) {
+    int own = -1, *set = isAlone_[a] != 0 ? &own : &setOfRow_[rows.firstEqual(active_[a])];
+    if (*set < 0) {
+      *set = static_cast<int>(sets_.size());
+      sets_.push_back({active_[a], 0, -1});
+      unknowns_.push_back(number_[active_[a]]);
+    }
+    setOf_[a] = *set;
+    ++sets_[*set].count;
+  }
+  for (const Limited &limited : limited_)
+    if (limited.place >= 0 && isAlone_[limited.place] != 0)
+      frictions_.push_back({setOf_[limited.place], number_[limited.row], -limited.sign * problem.friction[limited.row - n]});
+}
+
+// One for each set. False: the rows depend on each other otherwise.
+bool LinkedForces::assignEquations(const RowSystem &rows) {
+  if (equations_.size() != sets_.size())
+    return false;
+  for (const Limited &limited : limited_)
+    if (limited.sticks && setOfRow_[rows.firstEqual(limited.row)] < 0)
+      return false;
+  for (const int row : equations_) {
+    const auto place = std::lower_bound(active_.begin(), active_.end(), row);
+    const bool isActive = place != active_.end() && *place == row;
+    int &equation = sets_[isActive ? setOf_[place - active_.begin()] : setOfRow_[rows.firstEqual(row)]].equation;
+    if (equation >= 0)
+      return false;
+    equation = row;
+  }
+  return true;
+}
+
+bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
+  listRows(rows);
+  findSets(rows, problem);
+  return assignEquations(rows) && system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
+}
+
+void LinkedForces::expand(const ContactProblem &problem) {
+  for (std::size_t a = 0; a < active_.size(); ++a)
+    forces_[active_[a]] = unknownForce_[setOf_[a]] / sets_[setOf_[a]].count;
+  for (const Limited &limited : limited_)
+    forces_[limited.row] = -limited.sign * problem.limit(limited.row - problem.normalCount, forces_.data());
+}
+
+bool LinkedForces::evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration,
+                            ModeForces &forces) {
+  if (!factorise(at, rows, problem))
+    return false;
+  std::copy_n(at.force.data(), at.model().nv, force_.data());
+  for (const Limited &limited : limited_)
+    if (limited.place < 0) {
+      const double bound = -limited.sign * problem.bound[limited.row - problem.normalCount];
+      for (int k = 0; k < at.model().nv; ++k)
+        force_[k] += bound * rows.jacobian(limited.row)[k];
+    }
+  bias_.resize(sets_.size());
+  unknownForce_.resize(sets_.size());
+  for (std::size_t s = 0; s < sets_.size(); ++s)
+    bias_[s] = rows.modelBias(at, sets_[s].equation);
+  if (!system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data()))
+    return false;
+  if (rows.count() == 0)
+    return true;
+  expand(problem);
+  compareEqual(at, rows);
+  forces.take(problem, forces_, rest_, shares_, mayPress_ ? system_.determinant().relativeTo(begin_) : 1);
+  return true;
+}
+
+// By what equal rows contradict one another, and how they differ in their shares.
+void LinkedForces::compareEqual(const ModelEvaluation &at, const RowSystem &rows) {
+  for (std::size_t a = 0; a < active_.size(); ++a)
+    if (const int equation = sets_[setOf_[a]].equation; equation != active_[a])
+      rest_[active_[a]] = rows.modelBias(at, active_[a]) - rows.modelBias(at, equation);
+    else
+      rest_[equation] = 0;
+  for (const Limited &limited : limited_)
+    if (limited.sticks) {
+      const int s = setOfRow_[rows.firstEqual(limited.row)];
+      rest_[limited.row] = rows.modelBias(at, limited.row) - rows.modelBias(at, sets_[s].equation);
+      shares_[limited.row] = unknownForce_[s] / sets_[s].count;
+    }
+}
+
+}  // namespace tf::runtime

@@ -1,0 +1,63 @@
+// The contact forces and the accelerations of a mode whose bodies are linked one to the next, in O(n) (SemiseparableSystem): neither M nor
+// D is factorised. The same equations as ModeForces, for rows that are independent, or redundant because some of them are equal, as the
+// slips of a chain that lies flat: these have equal shares of their sum, but for those whose friction is at its limit. What else redundant
+// rows may need is left to ModeForces.
+#pragma once
+
+#include "runtime/contact/mode_forces.h"
+#include "runtime/integrate/row_system.h"
+#include "runtime/integrate/semiseparable_system.h"
+
+#include <vector>
+
+namespace tf::runtime {
+
+class LinkedForces {
+public:
+  // Begins a mode in which all normal rows of `rows` are closed, at the evaluation's point, where the rows have been gathered and `start`
+  // has been evaluated. False: it is not of this kind.
+  bool choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
+              const ModeForces &start);
+
+  // Forces, into `forces`, and accelerations [nv] at the evaluation's point; `rows` have been gathered there. Allocates nothing once it has
+  // seen the largest system. False: it is not of this kind there, or singular.
+  bool evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
+
+private:
+  // A tangential row whose friction is at its limit: its number, the place of its contact's normal row (−1: a friction element), and the
+  // sign of the slip that it is opposed to. One that sticks all the same has equal rows that share what it leaves.
+  struct Limited {
+    int row = 0, place = -1;
+    double sign = 1;
+    bool sticks = false;
+  };
+  // Active rows whose forces are one unknown, for they are equal; and the one that is an equation.
+  struct Set {
+    int row = 0, count = 0, equation = -1;
+  };
+
+  bool factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
+  void listRows(const RowSystem &rows);
+  void findSets(const RowSystem &rows, const ContactRows &problem);
+  bool assignEquations(const RowSystem &rows);
+  bool listActive(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode);
+  void expand(const ContactProblem &problem);
+  void compareEqual(const ModelEvaluation &at, const RowSystem &rows);
+
+  std::vector<int> active_, equations_;  // rows
+  std::vector<Limited> limited_;
+  std::vector<ForceLimit> saturated_;
+  bool mayPress_ = false;
+  SemiseparableSystem system_;
+  SemiseparableSystem::Determinant begin_;
+  std::vector<SemiseparableSystem::Row> rows_;  // of which none are equal
+  std::vector<int> number_;                     // in rows_, of all rows
+  std::vector<std::uint8_t> isAlone_;           // of active rows
+  std::vector<Set> sets_;
+  std::vector<int> setOf_, setOfRow_;  // of active rows, and of all rows (−1: none yet)
+  std::vector<int> unknowns_;
+  std::vector<SemiseparableSystem::Friction> frictions_;
+  std::vector<double> force_, bias_, unknownForce_, forces_, rest_, shares_;
+};
+
+}  // namespace tf::runtime

@@ -1,0 +1,513 @@
+#include "runtime/integrate/semiseparable_system.h"
+
+#include "runtime/contact/dense_kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tf::runtime {
+
+namespace {
+
+// What is left of a row by the vectors is no vector of its own up to this, relative to the row: refinement makes up for it.
+constexpr double accuracy = 1e-12;
+// A vector whose entries in all columns that are left are that small, relative to those that it had, is none there.
+constexpr double vanishing = 1e-15;
+// Pivots are zero up to this, relative to the terms that they are sums of.
+constexpr double singular = 1e-12;
+
+// The first entry that is not much smaller than the largest: early columns remain longest.
+int pivotOf(const double *x, int end, double largest) {
+  int column = 0;
+  while (column < end - 1 && !(std::abs(x[column]) >= 0.5 * largest))
+    ++column;
+  return column;
+}
+
+template <int R> double product(const double *a, const double *b) {
+  double sum = 0;
+  for (int k = 0; k < R; ++k)
+    sum += a[k] * b[k];
+  return sum;
+}
+
+}  // namespace
+
+void SemiseparableSystem::Determinant::multiply(double factor) {
+  int shift = 0;
+  mantissa = std::frexp(mantissa * factor, &shift);
+  exponent += shift;
+}
+
+double SemiseparableSystem::Determinant::relativeTo(const Determinant &other) const {
+  return std::ldexp(mantissa / other.mantissa, exponent - other.exponent);
+}
+
+bool SemiseparableSystem::factorise(const double *mass, int size, std::span<const Row> rows, std::span<const int> unknowns,
+                                    std::span<const Friction> frictions) {
+  mass_ = mass;
+  size_ = size;
+  rows_ = rows;
+  unknowns_ = unknowns;
+  frictions_ = frictions;
+  listExpressed();
+  if (!scaleColumns() || !findVectors())
+    return false;
+  order();
+  combine();
+  switch (count_) {
+  case 1:
+    return eliminateAll<1>();
+  case 2:
+    return eliminateAll<2>();
+  case 3:
+    return eliminateAll<3>();
+  case 4:
+    return eliminateAll<4>();
+  case 5:
+    return eliminateAll<5>();
+  default:
+    return eliminateAll<6>();
+  }
+}
+
+// The rows of the unknowns, then those of the frictions, each at the end of its unknown: there is its place among the columns.
+void SemiseparableSystem::listExpressed() {
+  ends_.clear();
+  for (const int row : unknowns_)
+    ends_.push_back(rows_[row].end);
+  for (const Friction &friction : frictions_)
+    ends_[friction.unknown] = std::max(ends_[friction.unknown], rows_[friction.row].end);
+  expressed_.clear();
+  for (const int row : unknowns_)
+    expressed_.push_back(rows_[row].entries);
+  for (const Friction &friction : frictions_) {
+    expressed_.push_back(rows_[friction.row].entries);
+    ends_.push_back(ends_[friction.unknown]);
+  }
+}
+
+bool SemiseparableSystem::scaleColumns() {
+  scale_.resize(size_);
+  for (int i = 0; i < size_; ++i) {
+    const double diagonal = mass_[static_cast<std::ptrdiff_t>(i) * size_ + i];
+    if (!(diagonal > 0) || !std::isfinite(diagonal))
+      return false;
+    scale_[i] = 1 / std::sqrt(diagonal);
+  }
+  return true;
+}
+
+void SemiseparableSystem::sortByEnd(std::size_t count) {
+  firstOfEnd_.assign(static_cast<std::size_t>(size_) + 2, 0);
+  for (std::size_t k = 0; k < count; ++k)
+    ++firstOfEnd_[ends_[k] + 1];
+  std::partial_sum(firstOfEnd_.begin(), firstOfEnd_.end(), firstOfEnd_.begin());
+  byEnd_.resize(count);
+  for (std::size_t k = 0; k < count; ++k)
+    byEnd_[firstOfEnd_[ends_[k]]++] = static_cast<int>(k);
+}
+
+// Rows of J and of M's lower triangle, those that reach furthest first: each adds a vector where those before do not make it up.
+bool SemiseparableSystem::findVectors() {
+  stride_ = paddedToLanes(size_);
+  reduced_.assign(static_cast<std::size_t>(mostVectors) * stride_, 0.0);
+  rest_.resize(stride_);
+  vectors_.assign(static_cast<std::size_t>(size_) * mostVectors, 0.0);
+  outer_.assign(vectors_.size(), 0.0);
+  rowOuter_.assign(expressed_.size() * mostVectors, 0.0);
+  rowSize_.assign(expressed_.size(), 0.0);
+  transition_.assign(size_, -1);
+  transitions_.clear();
+  sortByEnd(expressed_.size());
+  std::fill_n(pivot_, mostVectors, -1);
+  count_ = 0;
+  for (int end = size_; end > 0; --end) {
+    isChanged_ = false;
+    dropColumns(end);
+    for (int k = firstOfEnd_[end - 1]; k < firstOfEnd_[end]; ++k)
+      if (const int r = byEnd_[k];
+          !express(expressed_[r], end, rowOuter_.data() + static_cast<std::ptrdiff_t>(r) * mostVectors, rowSize_[r]))
+        return false;
+    double size = 0;
+    if (end < size_ && !express(mass_ + static_cast<std::ptrdiff_t>(end) * size_, end,
+                                outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors, size))
+      return false;
+    keepColumn(end);
+  }
+  return count_ > 0;
+}
+
+// What the rows that end there have led to.
+void SemiseparableSystem::keepColumn(int end) {
+  for (int k = 0; k < count_; ++k) {
+    vectors_[static_cast<std::size_t>(end - 1) * mostVectors + k] = reduced(k)[end - 1];
+    if (end < size_)
+      outer_[static_cast<std::size_t>(end) * mostVectors + k] *= scale_[end];
+  }
+  if (!isChanged_ || end == size_)
+    return;
+  transition_[end] = static_cast<int>(transitions_.size()) / (mostVectors * mostVectors);
+  transitions_.insert(transitions_.end(), &change_[0][0], &change_[0][0] + mostVectors * mostVectors);
+}
+
+// Columns from `end` on are reached by no row that is still to come.
+void SemiseparableSystem::dropColumns(int end) {
+  for (int k = 0; k < count_; ++k) {
+    if (pivot_[k] < end)
+      continue;
+    double largest = 0;
+    for (int j = 0; j < end; ++j)
+      largest = std::max(largest, std::abs(reduced(k)[j]));
+    if (largest > vanishing) {
+      turn(k, pivotOf(reduced(k), end, largest), end);
+      continue;
+    }
+    std::fill_n(reduced(k), end, 0.0);
+    pivot_[k] = -1;
+    turn(k, -1, end);
+  }
+}
+
+// Vector k of the basis has its pivot in that column from now on; −1: it is no more. The vectors before are sums of those after: k by
+// factor_[k], the others with factor_ times k.
+void SemiseparableSystem::turn(int k, int column, int end) {
+  if (!isChanged_)
+    for (int i = 0; i < mostVectors; ++i)
+      for (int j = 0; j < mostVectors; ++j)
+        change_[i][j] = i == j && pivot_[i] >= 0;
+  isChanged_ = true;
+  std::fill_n(factor_, mostVectors, 0.0);
+  if (column >= 0) {
+    double *own = reduced(k);
+    factor_[k] = own[column];
+    const double inverse = 1 / own[column];
+    for (int j = 0; j < end; ++j)
+      own[j] *= inverse;
+    own[column] = 1;
+    pivot_[k] = column;
+    for (int other = 0; other < count_; ++other) {
+      if (other == k || pivot_[other] < 0)
+        continue;
+      double *vector = reduced(other);
+      const double factor = factor_[other] = vector[column];
+      for (int j = 0; j < end; ++j)
+        vector[j] -= factor * own[j];
+      vector[column] = 0;
+    }
+  }
+  for (double *row : {change_[0], change_[1], change_[2], change_[3], change_[4], change_[5]})
+    turnCoefficients(k, row);
+}
+
+// The same sum of vectors after the change.
+void SemiseparableSystem::turnCoefficients(int k, double *coefficients) const {
+  double sum = 0;
+  for (int j = 0; j < mostVectors; ++j)
+    sum += coefficients[j] * factor_[j];
+  coefficients[k] = sum;
+}
+
+// The row as a sum of the vectors, one more of them where need be. False: too many.
+bool SemiseparableSystem::express(const double *row, int end, double *coefficients, double &size) {
+  double factors[mostVectors];
+  const double *parts[mostVectors];
+  int used = 0;
+  for (int k = 0; k < count_; ++k) {
+    if (pivot_[k] < 0)
+      continue;
+    coefficients[k] = factors[used] = row[pivot_[k]] * scale_[pivot_[k]];
+    parts[used++] = reduced(k);
+  }
+  const RowRest rest = subtractRows(row, scale_.data(), factors, parts, used, end, rest_.data());
+  size = rest.ofRow;
+  if (rest.largest <= accuracy * rest.ofRow)
+    return true;
+  const int k = static_cast<int>(std::find(pivot_, pivot_ + mostVectors, -1) - pivot_);
+  if (k == mostVectors || !std::isfinite(rest.largest))
+    return false;
+  count_ = std::max(count_, k + 1);
+  std::copy_n(rest_.data(), end, reduced(k));
+  coefficients[k] = 1;
+  turn(k, pivotOf(rest_.data(), end, rest.largest), end);
+  // The rows of the same end, this one among them.
+  for (int place = firstOfEnd_[end - 1]; place < firstOfEnd_[end]; ++place)
+    turnCoefficients(k, rowOuter_.data() + static_cast<std::ptrdiff_t>(byEnd_[place]) * mostVectors);
+  if (end < size_)
+    turnCoefficients(k, outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors);
+  return true;
+}
+
+void SemiseparableSystem::order() {
+  sortByEnd(unknowns_.size());
+  order_.clear();
+  int next = 0;
+  for (int j = 0; j <= size_; ++j) {
+    for (; next < firstOfEnd_[j]; ++next)
+      order_.push_back(size_ + byEnd_[next]);
+    if (j < size_)
+      order_.push_back(j);
+  }
+}
+
+// p and g of the unknowns, in their order.
+void SemiseparableSystem::combine() {
+  const std::size_t room = order_.size() * count_;
+  row_.resize(room);
+  column_.resize(room);
+  left_.resize(room);
+  right_.resize(room);
+  inverse_.resize(order_.size());
+  std::vector<double> &force = correction_;  // f of the unknowns
+  const auto outer = [this](std::size_t expressed) { return rowOuter_.data() + expressed * mostVectors; };
+  force.resize(unknowns_.size() * count_);
+  for (std::size_t u = 0; u < unknowns_.size(); ++u)
+    std::copy_n(outer(u), count_, force.data() + u * count_);
+  for (std::size_t f = 0; f < frictions_.size(); ++f)
+    for (int k = 0; k < count_; ++k)
+      force[static_cast<std::size_t>(frictions_[f].unknown) * count_ + k] += frictions_[f].factor * outer(unknowns_.size() + f)[k];
+  for (std::size_t place = 0; place < order_.size(); ++place) {
+    const int number = order_[place];
+    double *row = row_.data() + place * count_, *column = column_.data() + place * count_;
+    for (int k = 0; k < count_; ++k)
+      if (number < size_) {
+        row[k] = column[k] = outer_[static_cast<std::size_t>(number) * mostVectors + k];
+      } else {
+        const auto u = static_cast<std::size_t>(number - size_);
+        row[k] = outer(u)[k];
+        column[k] = -force[u * count_ + k];
+      }
+  }
+}
+
+// W of the basis before a column becomes that of the basis up to it.
+template <int R> void SemiseparableSystem::pass(int number, double (&W)[R][R]) const {
+  const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors * mostVectors;
+  double half[R][R];
+  for (int i = 0; i < R; ++i)
+    for (int j = 0; j < R; ++j) {
+      half[i][j] = 0;
+      for (int k = 0; k < R; ++k)
+        half[i][j] += W[i][k] * change[j * mostVectors + k];
+    }
+  for (int i = 0; i < R; ++i)
+    for (int j = 0; j < R; ++j) {
+      W[i][j] = 0;
+      for (int k = 0; k < R; ++k)
+        W[i][j] += change[i * mostVectors + k] * half[k][j];
+    }
+}
+
+// LU without exchanges. After some of the unknowns the entries that are left, of row i and column j behind them, are those of the matrix
+// less p_i·W g_j; W is the mobility of what has been eliminated, as the next body feels it.
+template <int R> bool SemiseparableSystem::eliminateAll() {
+  double W[R][R] = {};
+  for (std::size_t place = 0; place < order_.size(); ++place) {
+    const double *p = row_.data() + place * R, *g = column_.data() + place * R;
+    double *m = left_.data() + place * R, *l = right_.data() + place * R;
+    const int number = order_[place];
+    const bool isMass = number < size_;
+    double pivot = isMass ? 1 : 0, size = pivot;
+    for (int i = 0; i < R; ++i) {
+      double Wg = 0, Wp = 0;
+      for (int j = 0; j < R; ++j) {
+        Wg += W[i][j] * g[j];
+        Wp += W[j][i] * p[j];
+      }
+      pivot -= p[i] * Wg;
+      size += std::abs(p[i] * Wg);
+      m[i] = -Wg;
+      l[i] = -Wp;
+    }
+    if (!(std::abs(pivot) > singular * size))
+      return false;
+    if (isMass) {
+      const double *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
+      if (transition_[number] >= 0) {
+        pass<R>(transition_[number], W);
+        turnForward<R>(transition_[number], m);
+        turnForward<R>(transition_[number], l);
+      }
+      for (int i = 0; i < R; ++i) {
+        m[i] += own[i];
+        l[i] += own[i];
+      }
+    }
+    const double inverse = inverse_[place] = 1 / pivot;
+    for (int i = 0; i < R; ++i) {
+      const double factor = m[i] * inverse;
+      for (int j = 0; j < R; ++j)
+        W[i][j] += factor * l[j];
+    }
+  }
+  return true;
+}
+
+// S x and Sᵀ x of a transition.
+template <int R> void SemiseparableSystem::turnForward(int number, double *x) const {
+  const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors * mostVectors;
+  double turned[R];
+  for (int i = 0; i < R; ++i)
+    turned[i] = product<R>(change + static_cast<std::ptrdiff_t>(i) * mostVectors, x);
+  std::copy_n(turned, R, x);
+}
+
+template <int R> void SemiseparableSystem::turnBack(int number, double *x) const {
+  const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors * mostVectors;
+  double turned[R] = {};
+  for (int i = 0; i < R; ++i)
+    for (int j = 0; j < R; ++j)
+      turned[j] += change[i * mostVectors + j] * x[i];
+  std::copy_n(turned, R, x);
+}
+
+template <int R> void SemiseparableSystem::substitute(const double *rightHandSide, double *solution) const {
+  double sum[R] = {};
+  const std::size_t count = order_.size();
+  const auto transitionAt = [this](int number) { return number < size_ ? transition_[number] : -1; };
+  for (std::size_t place = 0; place < count; ++place) {
+    const int number = order_[place], transition = transitionAt(number);
+    const double value = (rightHandSide[number] - product<R>(row_.data() + place * R, sum)) * inverse_[place];
+    solution[number] = value;
+    if (transition >= 0)
+      turnForward<R>(transition, sum);
+    for (int k = 0; k < R; ++k)
+      sum[k] += left_[place * R + k] * value;
+  }
+  std::fill_n(sum, R, 0.0);
+  for (std::size_t place = count; place-- > 0;) {
+    const int number = order_[place], transition = transitionAt(number);
+    const double value = solution[number] -= product<R>(right_.data() + place * R, sum) * inverse_[place];
+    if (transition >= 0)
+      turnBack<R>(transition, sum);
+    for (int k = 0; k < R; ++k)
+      sum[k] += column_[place * R + k] * value;
+  }
+}
+
+void SemiseparableSystem::solveOnce(const double *rightHandSide, double *solution) const {
+  switch (count_) {
+  case 1:
+    return substitute<1>(rightHandSide, solution);
+  case 2:
+    return substitute<2>(rightHandSide, solution);
+  case 3:
+    return substitute<3>(rightHandSide, solution);
+  case 4:
+    return substitute<4>(rightHandSide, solution);
+  case 5:
+    return substitute<5>(rightHandSide, solution);
+  default:
+    return substitute<6>(rightHandSide, solution);
+  }
+}
+
+// Right-hand sides less what the solution makes of them, of scaled rows, relative to what they are made of.
+double SemiseparableSystem::findResidual(const double *force, const double *bias, const double *acceleration, const double *forces) {
+  rowForce_.assign(rows_.size(), 0.0);
+  for (std::size_t u = 0; u < unknowns_.size(); ++u)
+    rowForce_[unknowns_[u]] += forces[u];
+  for (const Friction &friction : frictions_)
+    rowForce_[friction.row] += friction.factor * forces[friction.unknown];
+  double *rest = residual_.data();
+  std::copy_n(force, size_, rest);
+  subtractProduct(mass_, size_, size_, acceleration, rest);
+  rowProduct_.resize(rows_.size());
+  for (std::size_t r = 0; r < rows_.size(); ++r)
+    rowProduct_[r] = dotAndAdd(rows_[r].entries, acceleration, rowForce_[r], rest, rows_[r].end);
+  double largest = 0, size = 0, rowError = 0;
+  for (int i = 0; i < size_; ++i) {
+    rest[i] *= scale_[i];
+    largest = std::max(largest, std::abs(rest[i]));
+    size = std::max({size, std::abs(force[i] * scale_[i]), std::abs(acceleration[i] / scale_[i])});
+  }
+  for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+    const double value = -bias[u] - rowProduct_[unknowns_[u]];
+    const double terms = std::abs(bias[u]) + rowSize_[u] * size;
+    rest[size_ + static_cast<int>(u)] = value;
+    if (std::abs(value) > 0)
+      rowError = std::max(rowError, std::abs(value) / terms);
+  }
+  return std::max(largest > 0 ? largest / size : 0, rowError);
+}
+
+bool SemiseparableSystem::solve(const double *force, const double *bias, double *acceleration, double *forces) {
+  constexpr double converging = 1e-7;  // what is left of such a residual by one more correction is rounding
+  constexpr double rounding = 2e-15;
+  constexpr int mostCorrections = 3;
+  const std::size_t unknowns = unknowns_.size(), count = static_cast<std::size_t>(size_) + unknowns;
+  residual_.resize(count);
+  correction_.resize(count);
+  std::fill_n(acceleration, size_, 0.0);
+  std::fill_n(forces, unknowns, 0.0);
+  for (int i = 0; i < size_; ++i)
+    residual_[i] = force[i] * scale_[i];
+  for (std::size_t u = 0; u < unknowns; ++u)
+    residual_[size_ + u] = -bias[u];
+  double error = 1;
+  for (int correction = 0; correction <= mostCorrections; ++correction) {
+    solveOnce(residual_.data(), correction_.data());
+    for (int i = 0; i < size_; ++i)
+      acceleration[i] += correction_[i] * scale_[i];
+    for (std::size_t u = 0; u < unknowns; ++u)
+      forces[u] += correction_[size_ + u];
+    if (correction > 0 && error <= converging)
+      return true;
+    error = findResidual(force, bias, acceleration, forces);
+    if (error <= rounding)
+      return true;
+    if (!(error < 1))
+      return false;
+  }
+  return false;
+}
+
+template <int R> SemiseparableSystem::Determinant SemiseparableSystem::determinantOf() const {
+  double W[R][R] = {};
+  Determinant determinant;
+  for (std::size_t place = 0; place < order_.size(); ++place) {
+    determinant.multiply(1 / inverse_[place]);
+    const int number = order_[place];
+    if (number >= size_)
+      continue;
+    const double *p = row_.data() + place * R, *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
+    double m[R], pivot = 1;
+    for (int i = 0; i < R; ++i) {
+      const double Wp = product<R>(W[i], p);
+      pivot -= p[i] * Wp;
+      m[i] = -Wp;
+    }
+    determinant.multiply(1 / pivot);
+    if (transition_[number] >= 0) {
+      pass<R>(transition_[number], W);
+      turnForward<R>(transition_[number], m);
+    }
+    for (int i = 0; i < R; ++i)
+      m[i] += own[i];
+    for (int i = 0; i < R; ++i)
+      for (int j = 0; j < R; ++j)
+        W[i][j] += m[i] * m[j] / pivot;
+  }
+  return determinant;
+}
+
+// That of the whole matrix over that of M.
+SemiseparableSystem::Determinant SemiseparableSystem::determinant() const {
+  switch (count_) {
+  case 1:
+    return determinantOf<1>();
+  case 2:
+    return determinantOf<2>();
+  case 3:
+    return determinantOf<3>();
+  case 4:
+    return determinantOf<4>();
+  case 5:
+    return determinantOf<5>();
+  default:
+    return determinantOf<6>();
+  }
+}
+
+}  // namespace tf::runtime

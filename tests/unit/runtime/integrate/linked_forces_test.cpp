@@ -1,0 +1,177 @@
+// The forces of bodies that are linked in a row: the same as those of the dense equations.
+#include "runtime/integrate/contact_system.h"
+#include "runtime/integrate/linked_forces.h"
+#include "runtime/model/input_signals.h"
+#include "tests/unit/runtime/integrate/chain_of_rods.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace tf::runtime {
+namespace {
+
+using test::Chain;
+using test::RowMajor;
+
+constexpr int rods = 40, velocities = rods + 2, nodes = rods + 1;
+
+Chain chainAt(const double *q) { return {true, false, std::vector<double>(q + 2, q + velocities)}; }
+
+// v is no part of it: bias terms are some numbers.
+void dynamics(const double *const *in, double *const *out, const std::uint8_t *) {
+  const Chain chain = chainAt(in[TF_IN_Q]);
+  const RowMajor M = chain.mass();
+  std::copy_n(M.data(), M.size(), out[0]);
+  for (int i = 0; i < velocities; ++i)
+    out[1][i] = -9.81 * M(1, i) + 3 * M(0, i) + 0.001 * std::sin(i);
+}
+
+void contactTerms(const double *const *in, double *const *out, const std::uint8_t *) {
+  const Chain chain = chainAt(in[TF_IN_Q]);
+  for (int node = 0; node < nodes; ++node) {
+    const RowMajor J = chain.jacobian(node);
+    std::copy_n(J.row(1).data(), velocities, out[0] + node * velocities);
+    std::copy_n(J.row(0).data(), velocities, out[2] + node * velocities);
+    out[1][node] = 0.01 * std::cos(node);
+    out[3][node] = 0;
+    out[4][node] = in[TF_IN_P][0];
+  }
+}
+
+void contactParameters(const double *const *, double *const *out, const std::uint8_t *) {
+  std::fill_n(out[0], nodes, 1.0);
+  std::fill_n(out[1], nodes, 0.0);
+}
+
+struct Model {
+  std::vector<tf_contact> contacts = std::vector<tf_contact>(nodes);
+  tf_model model{};
+  Model() {
+    for (int node = 0; node < nodes; ++node) {
+      contacts[node].name = "node";
+      contacts[node].tangent_first = node;
+      contacts[node].tangent_count = 1;
+      contacts[node].nominal = 1;
+    }
+    model.nq = model.nv = velocities;
+    model.np = 1;
+    model.nc = model.nt = nodes;
+    model.contacts = contacts.data();
+    model.dynamics = dynamics;
+    model.contact_terms = contactTerms;
+    model.contact_parameters = contactParameters;
+  }
+};
+
+// A chain whose first rods hang above the floor, bent, and whose other ones lie on it.
+struct OnFloor {
+  explicit OnFloor(int lying, double mu) : inputs(0), at(model.model, inputs), parameters{mu}, state(2 * velocities + 1, 0.0) {
+    EXPECT_TRUE(at.setParameters(parameters.data()));
+    at.setSegment(0);
+    for (int i = 0; i < rods - lying; ++i)
+      state[2 + i] = -0.9 + 0.02 * i;
+    at.setPoint(0, state.data());
+    std::vector<int> contacts;
+    for (int node = nodes - lying; node < nodes; ++node)
+      contacts.push_back(node);
+    system.choose(model.model, contacts, contacts);
+    mode.resize(lying, lying);
+    std::fill(mode.closed.begin(), mode.closed.end(), 1);
+    mask.assign(nodes, 1);
+  }
+  void slip(int contact, int sign) {
+    mode.slip[contact] = static_cast<std::int8_t>(sign);
+    system.problem.slipSign[contact] = sign;
+  }
+  bool solveDense() {
+    EXPECT_TRUE(at.dynamics());
+    at.contactTerms(mask.data());
+    system.gather(at);
+    system.respond(at);
+    expected.resize(velocities);
+    system.setBias(at, expected.data());
+    if (!forces.start(system.problem, mode))
+      return false;
+    system.rows.accelerate(forces.forces().data(), expected.data());
+    return true;
+  }
+  void expectSame() {
+    ASSERT_TRUE(solveDense());
+    const std::vector<double> force(forces.forces().begin(), forces.forces().end());
+    const std::vector<double> margins(forces.marginValues().begin(), forces.marginValues().end());
+    ASSERT_TRUE(linked.choose(at, system.rows, system.problem, mode, forces));
+    std::vector<double> acceleration(velocities);
+    ASSERT_TRUE(linked.evaluate(at, system.rows, system.problem, acceleration.data(), forces));
+    double scale = 0;
+    for (const double f : force)
+      scale = std::max(scale, std::abs(f));
+    EXPECT_GT(scale, 0);
+    for (std::size_t i = 0; i < force.size(); ++i)
+      EXPECT_NEAR(forces.forces()[i], force[i], 1e-9 * scale) << i;
+    for (std::size_t k = 0; k < margins.size(); ++k)
+      // What redundant rows contradict one another by is rounding, relative to 1e-9.
+      EXPECT_NEAR(forces.marginValues()[k], margins[k], (forces.margins()[k].limit.row == ModeMargin::contradiction ? 1e-5 : 1e-8) * scale)
+          << k << " of row " << forces.margins()[k].limit.row;
+    for (int i = 0; i < velocities; ++i)
+      EXPECT_NEAR(acceleration[i], expected[i], 1e-9 * (1 + std::abs(expected[i]))) << i;
+  }
+
+  Model model;
+  InputSignals inputs;
+  ModelEvaluation at;
+  std::vector<double> parameters, state;
+  ContactSystem system;
+  ContactMode mode;
+  std::vector<std::uint8_t> mask;
+  ModeForces forces;
+  LinkedForces linked;
+  std::vector<double> expected;
+};
+
+// All slips are one, whose friction the contacts share.
+TEST(LinkedForces, OfAChainThatLiesAndSticksAreThoseOfAllRows) {
+  OnFloor chain(30, 0.9);
+  chain.expectSame();
+  EXPECT_TRUE(chain.forces.redundant());
+}
+
+// With less friction some contacts are at their limits, and the others share what is left.
+TEST(LinkedForces, WithSaturatedLimitsAreThoseOfAllRows) {
+  bool anySaturated = false;
+  for (const double mu : {0.9, 0.6, 0.5, 0.45, 0.4, 0.35, 0.32}) {
+    OnFloor chain(30, mu);
+    if (!chain.solveDense())
+      continue;
+    std::vector<int> rows;
+    std::vector<ForceLimit> saturated;
+    ASSERT_TRUE(chain.forces.listEquations(rows, saturated));
+    anySaturated = anySaturated || !saturated.empty();
+    SCOPED_TRACE(mu);
+    chain.expectSame();
+  }
+  EXPECT_TRUE(anySaturated);
+}
+
+// Friction is folded into the normal forces, and may press contacts in: that margin is a determinant.
+TEST(LinkedForces, OfAChainThatSlidesAreThoseOfAllRows) {
+  OnFloor chain(30, 0.5);
+  for (int contact = 0; contact < 30; ++contact)
+    chain.slip(contact, 1);
+  chain.expectSame();
+  EXPECT_FALSE(chain.forces.redundant());
+  EXPECT_TRUE(std::any_of(chain.forces.margins().begin(), chain.forces.margins().end(),
+                          [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; }));
+}
+
+// Few rows are left to the dense equations, whose loops are simple.
+TEST(LinkedForces, AreNotUsedWhereTheyDoNotPay) {
+  OnFloor chain(1, 0.5);
+  ASSERT_TRUE(chain.solveDense());
+  EXPECT_FALSE(chain.linked.choose(chain.at, chain.system.rows, chain.system.problem, chain.mode, chain.forces));
+}
+
+}  // namespace
+}  // namespace tf::runtime

@@ -1,0 +1,182 @@
+#include "runtime/integrate/semiseparable_system.h"
+#include "tests/unit/runtime/integrate/chain_of_rods.h"
+
+#include <Eigen/Dense>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace tf::runtime {
+namespace {
+
+using test::Chain;
+using test::RowMajor;
+
+Chain randomChain(bool isFree, bool isRelative, int rods, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> angle(-3, 3);
+  Chain chain{isFree, isRelative, std::vector<double>(rods)};
+  for (double &a : chain.angles)
+    a = angle(random);
+  return chain;
+}
+
+struct System {
+  RowMajor mass, rows;  // M; J of all rows
+  std::vector<SemiseparableSystem::Row> listed;
+  std::vector<int> unknowns;
+  std::vector<SemiseparableSystem::Friction> frictions;
+
+  void list() {
+    for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+      int end = static_cast<int>(rows.cols());
+      while (end > 0 && rows(r, end - 1) == 0)
+        --end;
+      listed.push_back({rows.row(r).data(), end});
+    }
+  }
+  [[nodiscard]] Eigen::MatrixXd unknownRows() const {
+    Eigen::MatrixXd J(static_cast<Eigen::Index>(unknowns.size()), rows.cols());
+    for (std::size_t u = 0; u < unknowns.size(); ++u)
+      J.row(static_cast<Eigen::Index>(u)) = rows.row(unknowns[u]);
+    return J;
+  }
+  [[nodiscard]] Eigen::MatrixXd forces() const {
+    Eigen::MatrixXd F = unknownRows();
+    for (const auto &friction : frictions)
+      F.row(friction.unknown) += friction.factor * rows.row(friction.row);
+    return F;
+  }
+  bool factorise(SemiseparableSystem &system) const {
+    return system.factorise(mass.data(), static_cast<int>(mass.rows()), listed, unknowns, frictions);
+  }
+};
+
+// Nodes on the ground: the first and last ones stick, those between slide.
+System onGround(const Chain &chain, const std::vector<int> &nodes) {
+  System system{chain.mass(), RowMajor(static_cast<Eigen::Index>(2 * nodes.size()), chain.size()), {}, {}, {}};
+  for (std::size_t k = 0; k < nodes.size(); ++k) {
+    const RowMajor J = chain.jacobian(nodes[k]);
+    system.rows.row(static_cast<Eigen::Index>(2 * k)) = J.row(1);
+    system.rows.row(static_cast<Eigen::Index>(2 * k + 1)) = J.row(0);
+  }
+  for (int k = 0; k < static_cast<int>(nodes.size()); ++k) {
+    const int unknown = static_cast<int>(system.unknowns.size());
+    system.unknowns.push_back(2 * k);
+    if (k == 0 || k + 1 == static_cast<int>(nodes.size()))
+      system.unknowns.push_back(2 * k + 1);
+    else
+      system.frictions.push_back({unknown, 2 * k + 1, k % 2 != 0 ? 0.3 : -0.4});
+  }
+  system.list();
+  return system;
+}
+
+void expectSolved(const System &system, SemiseparableSystem &solver, const std::string &what) {
+  const Eigen::Index n = system.mass.rows(), k = static_cast<Eigen::Index>(system.unknowns.size());
+  const Eigen::VectorXd force = Eigen::VectorXd::Random(n), bias = Eigen::VectorXd::Random(k);
+  Eigen::VectorXd acceleration(n), forces(k);
+  ASSERT_TRUE(solver.solve(force.data(), bias.data(), acceleration.data(), forces.data())) << what;
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(n + k, n + k);
+  all.topLeftCorner(n, n) = system.mass;
+  all.topRightCorner(n, k) = -system.forces().transpose();
+  all.bottomLeftCorner(k, n) = system.unknownRows();
+  Eigen::VectorXd right(n + k);
+  right << force, -bias;
+  const Eigen::VectorXd expected = all.fullPivLu().solve(right);
+  EXPECT_LT((acceleration - expected.head(n)).norm(), 1e-10 * expected.head(n).norm()) << what;
+  EXPECT_LE((forces - expected.tail(k)).norm(), 1e-10 * expected.tail(k).norm()) << what;
+  if (k == 0)
+    return;
+  // Both numbers of a product that may be far from 1.
+  const Eigen::MatrixXd delassus = system.unknownRows() * system.mass.ldlt().solve(system.forces().transpose().eval());
+  SemiseparableSystem::Determinant determinant;
+  const Eigen::FullPivLU<Eigen::MatrixXd> factor(delassus);
+  for (Eigen::Index i = 0; i < k; ++i)
+    determinant.multiply(factor.matrixLU()(i, i));
+  const auto sign = static_cast<double>(factor.permutationP().determinant() * factor.permutationQ().determinant());
+  EXPECT_NEAR(solver.determinant().relativeTo(determinant) * sign, 1, 1e-6) << what;
+}
+
+TEST(SemiseparableSystem, SolvesChainsOfRodsWithContacts) {
+  for (const bool isFree : {true, false})
+    for (const bool isRelative : {true, false})
+      for (const int rods : {8, 20, 60})
+        for (unsigned seed = 0; seed < 4; ++seed) {
+          const Chain chain = randomChain(isFree, isRelative, rods, seed);
+          SemiseparableSystem solver;
+          const std::string what =
+              std::to_string(isFree) + std::to_string(isRelative) + " " + std::to_string(rods) + " rods, " + std::to_string(seed);
+          const System free{chain.mass(), RowMajor(0, chain.size()), {}, {}, {}};
+          ASSERT_TRUE(free.factorise(solver)) << what;
+          EXPECT_EQ(solver.vectorCount(), isRelative ? 3 : 2) << what;
+          expectSolved(free, solver, what);
+          const System touching = onGround(chain, {2, rods / 2, rods - 1, rods});
+          ASSERT_TRUE(touching.factorise(solver)) << what;
+          EXPECT_EQ(solver.vectorCount(), isRelative ? 3 : 2) << what;
+          expectSolved(touching, solver, what);
+        }
+}
+
+// Parallel rods, whose vectors are parallel up to any place or nearly so.
+TEST(SemiseparableSystem, SolvesStraightChains) {
+  for (const bool isFree : {true, false})
+    for (const double bend : {0.0, 1e-12, 1e-7, 1e-3}) {
+      Chain chain{isFree, false, std::vector<double>(30, 0.7)};
+      for (int i = 0; i < 30; ++i)
+        chain.angles[i] += bend * i * i;
+      SemiseparableSystem solver;
+      const System system = onGround(chain, {30});
+      ASSERT_TRUE(system.factorise(solver)) << bend;
+      if (isFree || bend >= 1e-7)
+        expectSolved(system, solver, std::to_string(bend));
+    }
+}
+
+// What is not linked in a row has too many vectors.
+TEST(SemiseparableSystem, RefusesOtherMatrices) {
+  const Eigen::MatrixXd root = Eigen::MatrixXd::Random(30, 30);
+  const System system{root * root.transpose() + Eigen::MatrixXd::Identity(30, 30), RowMajor(0, 30), {}, {}, {}};
+  SemiseparableSystem solver;
+  EXPECT_FALSE(system.factorise(solver));
+}
+
+// Rows of a chain, and one row that is no part of it.
+TEST(SemiseparableSystem, TakesRowsOfTheirOwn) {
+  const Chain chain = randomChain(true, false, 20, 1);
+  System system = onGround(chain, {3, 20});
+  system.rows.row(1) = Eigen::VectorXd::Random(chain.size());
+  system.listed.clear();
+  system.list();
+  SemiseparableSystem solver;
+  ASSERT_TRUE(system.factorise(solver));
+  EXPECT_EQ(solver.vectorCount(), 3);
+  expectSolved(system, solver, "a row of its own");
+}
+
+// Two equal rows have no unique forces.
+TEST(SemiseparableSystem, RefusesDependentRows) {
+  const Chain chain = randomChain(true, false, 20, 2);
+  System system = onGround(chain, {3, 20});
+  system.rows.row(2) = system.rows.row(0);
+  system.listed.clear();
+  system.list();
+  SemiseparableSystem solver;
+  const Eigen::VectorXd force = Eigen::VectorXd::Random(chain.size()), bias = Eigen::VectorXd::Random(4);
+  Eigen::VectorXd acceleration(chain.size()), forces(4);
+  EXPECT_FALSE(system.factorise(solver) && solver.solve(force.data(), bias.data(), acceleration.data(), forces.data()));
+}
+
+TEST(SemiseparableSystem, RefusesNumbersThatAreNone) {
+  const Chain chain = randomChain(true, false, 20, 3);
+  System system = onGround(chain, {3, 20});
+  system.mass(4, 2) = system.mass(2, 4) = std::nan("");
+  SemiseparableSystem solver;
+  EXPECT_FALSE(system.factorise(solver));
+}
+
+}  // namespace
+}  // namespace tf::runtime
