@@ -121,18 +121,20 @@ TEST(SemiseparableSystem, SolvesChainsOfRodsWithContacts) {
         }
 }
 
-// Parallel rods, whose vectors are parallel up to any place or nearly so.
+// Parallel rods, whose vectors are parallel up to any place or nearly so. The end of a straight chain that hangs from a fixed point cannot be
+// held along it.
 TEST(SemiseparableSystem, SolvesStraightChains) {
   for (const bool isFree : {true, false})
     for (const double bend : {0.0, 1e-12, 1e-7, 1e-3}) {
+      if (!isFree && bend < 1e-3)
+        continue;
       Chain chain{isFree, false, std::vector<double>(30, 0.7)};
       for (int i = 0; i < 30; ++i)
         chain.angles[i] += bend * i * i;
       SemiseparableSystem solver;
       const System system = onGround(chain, {30});
       ASSERT_TRUE(system.factorise(solver)) << bend;
-      if (isFree || bend >= 1e-7)
-        expectSolved(system, solver, std::to_string(bend));
+      expectSolved(system, solver, std::to_string(bend));
     }
 }
 
