@@ -319,9 +319,16 @@ void EventDetection::watchStart() {
     readEnd(begin_);
   else
     readSlipRates(begin_);
-  watched_ = false;
-  for (const int k : awake_)
-    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= threshold(k));
+  watchZeros(1);
+}
+
+// Gaps, and slips that vary, which are within so many times their thresholds.
+void EventDetection::watchZeros(double factor) {
+  const auto isWatched = [&](int k) {
+    const Guard &guard = dynamics_.guards()[k];
+    return (guard.kind == GuardKind::Gap || (guard.kind == GuardKind::Slip && guard.varies)) && begin_.value[k] <= factor * threshold(k);
+  };
+  watched_ = std::any_of(awake_.begin(), awake_.end(), isWatched);
   integrator_->setCareful(watched_);
 }
 
@@ -643,12 +650,8 @@ void EventDetection::advance() {
     if (end_.value[k] > threshold(k))
       starts_[k].armed = Arming::ByValue;
   std::swap(begin_, end_);
-  if (!watched_)
-    return;
-  watched_ = false;
-  for (const int k : awake_)
-    watched_ = watched_ || (dynamics_.guards()[k].kind == GuardKind::Gap && begin_.value[k] <= 1e3 * threshold(k));
-  integrator_->setCareful(watched_);
+  if (watched_)
+    watchZeros(1e3);
 }
 
 }  // namespace tf::runtime

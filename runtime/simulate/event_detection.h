@@ -42,6 +42,7 @@ public:
   void resume(double time, double partOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
+  void watchZeros(double factor);
   // Where the next step should end at the latest: `limit`, or right behind an event that is expected before it.
   double stepLimit(double limit);
   // The last step was to end there, not at its limit: its length is no measure of its error.
@@ -168,7 +169,7 @@ private:
   bool wasPositive_ = false;     // that guard, before the step
   bool rises_ = false;           // it has been found clearly positive in the step
   double limit_ = 0;             // later zeros are not looked for
-  bool watched_ = false;         // a gap has not left zero yet
+  bool watched_ = false;         // a gap or a slip that varies has not left zero yet
   bool cut_ = false;             // see isCut
   double cutTime_ = 0;
   bool startsToRounding_ = true;

@@ -222,5 +222,32 @@ end ParallelRodsHeld;
     }
 }
 
+// A block on a belt that shakes, with a bound that does so as well: each slip starts from zero in a direction that is far smaller than the
+// tolerance of loose steps.
+TEST(StartingSlips, OnAShakingBeltAreFollowedAtLooseTolerances) {
+  const std::string file = sourceFile("shaking_belt.tf", R"(
+model ShakingBelt
+  parameter Real w = 150, V = 0.037, k = 0.2, F = 0;
+  coordinate Real x(start = 0);
+  body b(mass = 1, position = x);
+  force f(value = F, at = x);
+  friction c(slip = der(x) - V*cos(w*time), bound = 4*(1 - k*sin(w*time)));
+end ShakingBelt;
+)");
+  for (const Settings &settings : {Settings{}, Settings{{"k", 0.38}, {"F", -1}}}) {
+    CompiledModel reference(file, settings);
+    reference.tolerance(1e-11).integrator(TF_EXPLICIT).run(1);
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6}) {
+        SCOPED_TRACE(std::to_string(tolerance) + ", integrator " + std::to_string(integrator));
+        CompiledModel model(file, settings);
+        model.tolerance(tolerance).integrator(integrator).run(1);
+        EXPECT_NEAR(model["x"], reference["x"], 10 * tolerance);
+        EXPECT_EQ(model.events().size(), reference.events().size());
+        EXPECT_LT(tf_get_statistics(model.simulation())->steps, 6000);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
