@@ -40,7 +40,11 @@ struct ModeForces::Workspace {
   bool isTaken = false;  // the forces are from elsewhere, with
   double takenDeterminant = 1;
 
-  void beginPressing() {
+  void beginPressing(const ContactProblem &at) {
+    pressing.end = PressingMargin::behind;
+    for (int j = 0; j < at.tangentCount; ++j)
+      if (at.partner[j] > j && at.slipSign[j] != 0)
+        pressing.end = PressingMargin::before;
     set->factor().inverseDeterminant(pressing.inverseDeterminant);
     pressing.scale = 0;
     for (const double force : set->forces())
@@ -117,7 +121,7 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, s
   acceptContradiction();
   w.mayPress = !w.redundant && valid && slipsWithFriction(problem, mode);
   if (w.mayPress)
-    w.beginPressing();
+    w.beginPressing(problem);
   w.listMargins();
   w.setProblem(problem);
   return valid;

@@ -17,8 +17,6 @@ struct ModeMargin {
   // Rows of limits that are not one row's: the largest common slack of all limits; what redundant rows may still contradict one another
   // by; how far slips are from pressing their contacts in: the determinant of the forces' matrix, relative to the begin of the mode.
   static constexpr int commonSlack = -1, contradiction = -2, pressing = -3;
-  // The mode ends where the determinant has just changed its sign: at the zero itself forces are not defined.
-  static constexpr double pressed = 1e-6;
   ForceLimit limit;
   bool multiplier = false;  // the limit is saturated: the value is its multiplier, and zero means that the representative leaves it
 };
@@ -30,11 +28,15 @@ enum class MarginOutcome : std::uint8_t {
 
 // Of slips that may press their contacts in: how far the matrix of the forces is from being singular.
 struct PressingMargin {
+  // The mode ends where the determinant has just changed its sign: at the zero itself forces are not defined. Slips of two components turn
+  // there, without bound, and the determinant with them, perhaps back: they end just before.
+  static constexpr double behind = -1e-6, before = 1e-6;
   std::vector<double> inverseDeterminant;  // of the matrix at the begin of the mode, as a product (LuFactor)
   double scale = 0;                        // the largest force there
+  double end = behind;
 
   // Of the determinant relative to that of the begin.
-  [[nodiscard]] double value(double determinant) const { return scale * (determinant + ModeMargin::pressed); }
+  [[nodiscard]] double value(double determinant) const { return scale * (determinant - end); }
 };
 
 // The problem passed to `start` or `evaluate` last must exist while the results are used.

@@ -335,13 +335,16 @@ void SpatialFrozenPhase::Workspace::exchange(const Watch &event, bool &found) {
 }
 
 // Whether the contact that starts a frictional impulse is pressed in by it. Where D_s is about to reach zero the turn of the slip soon
-// makes it negative: until then an approach of the size of rounding keeps the contact pushing.
+// makes it negative: until then a small approach keeps the contact pushing. D_s falls as the slip turns, by a part of itself for that part
+// of the slip, so that its integral over the impulse is of the size of D_s² times the slip.
 bool SpatialFrozenPhase::Workspace::jams(int forced) {
   if (velocity[forced] < 0 || acceleration[forced] < 0)
     return true;
   if (acceleration[forced] > jammed * turnover[forced])
     return false;
-  velocity[forced] = -2 * roundingSpeed;
+  constexpr double enough = 3;
+  const double left = acceleration[forced] / turnover[forced];
+  velocity[forced] = -std::max(2 * roundingSpeed, enough * scale * left * left);
   return true;
 }
 

@@ -163,7 +163,7 @@ StepStatus CvodeIntegrator::step(double limit) {
   begin_ = end_;
   beginRate_ = endRate_;
   CVodeSetStopTime(s.memory, limit);
-  double reached = beginTime_;
+  double reached = beginTime_, stop = limit;
   s.problem.correction = 0;
   int outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
   // Rounding errors of the model may be larger than the share of the tolerance: up to a tenth of it (theory.md section 6).
@@ -173,6 +173,18 @@ StepStatus CvodeIntegrator::step(double limit) {
     CVodeReInit(s.memory, beginTime_, s.state);
     CVodeSetStopTime(s.memory, limit);
     outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
+  }
+  // Shorter steps find the pole.
+  for (double length = reached - beginTime_; outcome >= 0 && dynamics_.mayTurnBeyondPole() && length > 1e-12 * limit && hasDefect(reached);
+       length = reached - beginTime_) {
+    constexpr double shorter = 1.0 / 8;
+    std::copy(begin_.begin(), begin_.end(), N_VGetArrayPointer(s.state));
+    CVodeReInit(s.memory, beginTime_, s.state);
+    CVodeSetInitStep(s.memory, shorter * length);
+    stop = beginTime_ + 2 * shorter * length;
+    CVodeSetStopTime(s.memory, stop);
+    outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
+    CVodeSetInitStep(s.memory, settings_.fixedStep > 0 ? settings_.fixedStep : 0);
   }
   if (outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE || outcome == CV_TOO_CLOSE)
     return StepStatus::TooSmall;
@@ -185,12 +197,31 @@ StepStatus CvodeIntegrator::step(double limit) {
   CVodeGetNumNonlinSolvIters(s.memory, &iterations);
   ++statistics_.steps;
   CVodeGetCurrentStep(s.memory, &next_);
-  endTime_ = outcome == CV_TSTOP_RETURN ? limit : reached;
+  endTime_ = outcome == CV_TSTOP_RETURN ? stop : reached;
   // Towards a singularity CVODE goes on with steps that no longer change the time.
   if (endTime_ <= beginTime_)
     return StepStatus::TooSmall;
   std::copy_n(N_VGetArrayPointer(s.state), n_, end_.begin());
   return dynamics_.evaluate(endTime_, end_.data(), endRate_.data()) ? StepStatus::Done : StepStatus::Unsolvable;
+}
+
+// Whether the polynomial of the step to `end` fails to obey the equations inside it: the tolerance allows for a multiple of what the share
+// of a step does.
+bool CvodeIntegrator::hasDefect(double end) {
+  Solver &s = *solver_;
+  const double length = end - beginTime_;
+  trial_.resize(n_);
+  for (const double theta : {0.5, 0.875}) {
+    const double time = beginTime_ + theta * length;
+    interpolate(time, trial_.data());
+    if (!dynamics_.evaluate(time, trial_.data(), s.problem.rate.data()) || CVodeGetDky(s.memory, time, 1, s.derivative) != CV_SUCCESS)
+      return true;
+    const double *slope = N_VGetArrayPointer(s.derivative);
+    for (int i = 0; i < n_ - 1; ++i)
+      if (!(length * std::abs(s.problem.rate[i] - slope[i]) <= settings_.tolerance * std::max(settings_.scale[i], std::abs(trial_[i]))))
+        return true;
+  }
+  return false;
 }
 
 bool CvodeIntegrator::shorten(double time) {

@@ -28,8 +28,10 @@ private:
   std::unique_ptr<Solver> solver_;
   double next_ = 0;
   bool careful_ = false;
+  std::vector<double> trial_;
 
   void setTolerance();
+  bool hasDefect(double end);
 };
 
 }  // namespace tf::runtime

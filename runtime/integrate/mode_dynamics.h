@@ -108,6 +108,8 @@ public:
   // Nothing moves at (time, state) with dy/dt = `rate`, to rounding relative to `scale` [n], and as long as the mode lasts nothing will:
   // constraints and held contacts leave no velocity free. Reads the model at that point.
   bool isHeldAtRest(double time, const double *state, const double *rate, const double *scale);
+  // Slips of two components turn beside a force that they may press to a pole, beyond which implicit equations have solutions, too.
+  [[nodiscard]] bool mayTurnBeyondPole() const;
   // At the state of the last evaluation nothing moves, and neither does anything for states, parameters and inputs nearby that the mode
   // holds at rest: whatever the forces, its rows leave no acceleration.
   bool restsByItsRows(const double *state);
@@ -125,6 +127,8 @@ public:
 
   // A guard of kind Force has changed its sign where forces grow beyond all bounds, not at a zero. At the last evaluation's point.
   [[nodiscard]] bool isPole(int guard) const;
+  // The last evaluation is at a pole of the contact forces, or beyond it: what they are there says nothing.
+  [[nodiscard]] bool isAtPole() const;
   // The contact whose normal force is the margin of a Force guard; −1: the margin is another one.
   [[nodiscard]] int contactOfMargin(int margin) const;
   // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormals); −1:

@@ -201,9 +201,25 @@ bool ModeDynamics::isPole(int guard) const {
     constexpr double zero = 0.1;  // near a pole that is not far from a zero, a projected state has forces of some such size
     return !(std::abs(readGuard(guards_[guard])) <= zero * begin);
   }
-  // The determinant is −1e-6 of what it was: so much larger are forces that have a pole.
+  // The determinant is ±1e-6 of what it was: so much larger are forces that have a pole.
   constexpr double finite = 1e3;
   return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
+}
+
+bool ModeDynamics::isAtPole() const {
+  for (std::size_t k = 0; k < leastMargins_.size(); ++k)
+    if (forces_.margins()[k].limit.row == ModeMargin::pressing) {
+      constexpr double near = 1e-3;  // so far beyond the end of the mode, relative to its begin
+      const double value = isFolded_ ? folded_.marginValues()[k] : forces_.marginValues()[k];
+      return value <= near * forces_.pressing().scale * std::abs(PressingMargin::before);
+    }
+  return false;
+}
+
+bool ModeDynamics::mayTurnBeyondPole() const {
+  const auto margins = forces_.margins();
+  return !slips_.empty() && rows_.count() > 0 && forces_.pressing().end == PressingMargin::before &&
+         std::any_of(margins.begin(), margins.end(), [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; });
 }
 
 int ModeDynamics::contactOfMargin(int margin) const {

@@ -17,12 +17,15 @@ void Invariants::observe(ModeDynamics &dynamics, bool hasAllGaps) {
   ModelEvaluation &at = dynamics.model();
   const tf_model &model = at.model();
   const double time = at.time();
+  const bool isAtPole = dynamics.isAtPole();
   if (model.nc > 0 && !hasAllGaps)
     at.switching(ModelEvaluation::Gaps);
   for (int i = 0; i < model.nc; ++i) {
     if (at.gap[i] < gap_.value && (hasAllGaps || at.screen().isAwake(i)))
       gap_ = {at.gap[i], time, i};
     // An open contact has no force: that is a value, too.
+    if (isAtPole)
+      continue;
     const double force = dynamics.mode().closed[i] ? dynamics.normalForce(i) : 0;
     if (force < normalForce_.value)
       normalForce_ = {force, time, i};

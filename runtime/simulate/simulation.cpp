@@ -126,7 +126,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   time_ = startTime;
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
-  switchTime_ = -std::numeric_limits<double>::infinity();
+  switchTime_ = jamTime_ = -std::numeric_limits<double>::infinity();
   lingeringSteps_ = 0;
   progress_.start(startTime, model_.nc + model_.nf + model_.ns);
   switchProgress_.start(model_.ns);
@@ -439,6 +439,7 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   field(&time_, sizeof time_);
   field(&suggestedStep_, sizeof suggestedStep_);
   field(&switchTime_, sizeof switchTime_);
+  field(&jamTime_, sizeof jamTime_);
   field(&progress_, sizeof progress_);
   vector(selection_.grazingSpeeds());
   field(&more.energy, sizeof more.energy);

@@ -58,6 +58,7 @@ public:
   bool modeValid_ = false;
   double suggestedStep_ = 0;
   double switchTime_ = -std::numeric_limits<double>::infinity();  // of the last switch
+  double jamTime_ = -std::numeric_limits<double>::infinity();     // of the last contact that has jammed
   std::uint64_t inputRevision_ = 0;
   EventProgress progress_;
   int lastElement_ = -1;  // of the last event (Transition)
@@ -148,6 +149,7 @@ private:
   tf_status afterImpact(double limit);
   bool penetrates(const Mode &mode);
   tf_status comeToRest(const RestPoint &point);
+  int jamAt(int guard);
   tf_status jam(int contact);
   tf_status timeEvent();
 

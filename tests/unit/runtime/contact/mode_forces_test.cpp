@@ -63,11 +63,11 @@ TEST(ModeForces, SlipsThatPressTheirContactsInEndTheMode) {
   ASSERT_EQ(forces.margins().back().limit.row, ModeMargin::pressing);
   const double largest = std::max({std::abs(forces.forces()[0]), std::abs(forces.forces()[1])});
   const double begin = determinant();
-  EXPECT_DOUBLE_EQ(forces.marginValues().back(), largest * (1 + ModeMargin::pressed));
+  EXPECT_DOUBLE_EQ(forces.marginValues().back(), largest * (1 - PressingMargin::behind));
   for (const double friction : {2.0, 4.0, 8.0}) {
     problem.friction = {friction, 0.4};
     ASSERT_TRUE(forces.evaluate(problem));
-    EXPECT_NEAR(forces.marginValues().back(), largest * (determinant() / begin + ModeMargin::pressed), 1e-12) << friction;
+    EXPECT_NEAR(forces.marginValues().back(), largest * (determinant() / begin - PressingMargin::behind), 1e-12) << friction;
   }
   EXPECT_LT(forces.marginValues().back(), 0);
   EXPECT_EQ(forces.cross(static_cast<int>(forces.margins().size()) - 1), MarginOutcome::ModeEnds);

@@ -121,8 +121,8 @@ TEST(SemiseparableSystem, SolvesChainsOfRodsWithContacts) {
         }
 }
 
-// Parallel rods, whose vectors are parallel up to any place or nearly so. The end of a straight chain that hangs from a fixed point cannot be
-// held along it.
+// Parallel rods, whose vectors are parallel up to any place or nearly so. The end of a straight chain that hangs from a fixed point cannot
+// be held along it.
 TEST(SemiseparableSystem, SolvesStraightChains) {
   for (const bool isFree : {true, false})
     for (const double bend : {0.0, 1e-12, 1e-7, 1e-3}) {
