@@ -169,6 +169,7 @@ std::span<const double> ModeForces::marginValues() const {
   return w.values;
 }
 
+bool ModeForces::mayPress() const { return work_->mayPress; }
 const PressingMargin &ModeForces::pressing() const { return work_->pressing; }
 
 MarginOutcome ModeForces::cross(int margin) {

@@ -74,7 +74,9 @@ public:
   // The inequalities of the mode, a smooth function each, and their values at the last evaluation (forces' unit).
   [[nodiscard]] std::span<const ModeMargin> margins() const;
   [[nodiscard]] std::span<const double> marginValues() const;
-  // Of the margin with the row `pressing`, if there is one.
+  // The last margin is that of `pressing`.
+  [[nodiscard]] bool mayPress() const;
+  // Of that margin.
   [[nodiscard]] const PressingMargin &pressing() const;
 
   // The mode's start has been moved by what it was off by, to the point of the last evaluation: what redundant rows contradict one another

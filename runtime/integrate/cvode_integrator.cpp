@@ -132,7 +132,7 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
     CVodeSetMaxNumSteps(s.memory, 1000000);
     s.created = true;
   } else {
-    CVodeReInit(s.memory, time, s.state);
+    restart(time);
   }
   setTolerance();
   CVodeSetInitStep(s.memory, settings_.fixedStep > 0 ? settings_.fixedStep : 0);
@@ -157,6 +157,32 @@ double CvodeIntegrator::startingError() const { return std::clamp(0.03 * careful
 
 double CvodeIntegrator::correction() const { return solver_->problem.correction; }
 
+// CVODE's numbers since it was last initialised, beside those of before.
+void CvodeIntegrator::readStatistics() {
+  long failures = 0, unsolved = 0, jacobians = 0, iterations = 0;
+  CVodeGetNumErrTestFails(solver_->memory, &failures);
+  CVodeGetNumStepSolveFails(solver_->memory, &unsolved);
+  CVodeGetNumJacEvals(solver_->memory, &jacobians);
+  CVodeGetNumNonlinSolvIters(solver_->memory, &iterations);
+  statistics_.rejected = before_.rejected + failures + unsolved;
+  statistics_.jacobians = before_.jacobians + jacobians;
+  statistics_.iterations = before_.iterations + iterations;
+}
+
+// From the state of the solver.
+void CvodeIntegrator::restart(double time) {
+  readStatistics();
+  before_ = statistics_;
+  CVodeReInit(solver_->memory, time, solver_->state);
+}
+
+// Back to the begin of the step.
+void CvodeIntegrator::repeat(double limit) {
+  std::copy(begin_.begin(), begin_.end(), N_VGetArrayPointer(solver_->state));
+  restart(beginTime_);
+  CVodeSetStopTime(solver_->memory, limit);
+}
+
 StepStatus CvodeIntegrator::step(double limit) {
   Solver &s = *solver_;
   beginTime_ = endTime_;
@@ -169,20 +195,18 @@ StepStatus CvodeIntegrator::step(double limit) {
   // Rounding errors of the model may be larger than the share of the tolerance: up to a tenth of it (theory.md section 6).
   while ((outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE) && 3 * s.problem.tolerance <= 0.1 * settings_.tolerance) {
     s.problem.tolerance *= 3;
-    std::copy(begin_.begin(), begin_.end(), N_VGetArrayPointer(s.state));
-    CVodeReInit(s.memory, beginTime_, s.state);
-    CVodeSetStopTime(s.memory, limit);
+    repeat(limit);
     outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
   }
   // Shorter steps find the pole.
-  for (double length = reached - beginTime_; outcome >= 0 && dynamics_.mayTurnBeyondPole() && length > 1e-12 * limit && hasDefect(reached);
+  const double shortest = 1e-12 * std::max(std::abs(beginTime_), std::abs(reached));
+  for (double length = reached - beginTime_; outcome >= 0 && dynamics_.mayTurnBeyondPole() && length > shortest && hasDefect(reached);
        length = reached - beginTime_) {
     constexpr double shorter = 1.0 / 8;
-    std::copy(begin_.begin(), begin_.end(), N_VGetArrayPointer(s.state));
-    CVodeReInit(s.memory, beginTime_, s.state);
-    CVodeSetInitStep(s.memory, shorter * length);
     stop = beginTime_ + 2 * shorter * length;
-    CVodeSetStopTime(s.memory, stop);
+    repeat(stop);
+    ++before_.rejected;
+    CVodeSetInitStep(s.memory, shorter * length);
     outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
     CVodeSetInitStep(s.memory, settings_.fixedStep > 0 ? settings_.fixedStep : 0);
   }
@@ -190,11 +214,7 @@ StepStatus CvodeIntegrator::step(double limit) {
     return StepStatus::TooSmall;
   if (outcome < 0)
     return StepStatus::Unsolvable;
-  long steps = 0, failures = 0, jacobians = 0, iterations = 0;
-  CVodeGetNumErrTestFails(s.memory, &failures);
-  CVodeGetNumSteps(s.memory, &steps);
-  CVodeGetNumJacEvals(s.memory, &jacobians);
-  CVodeGetNumNonlinSolvIters(s.memory, &iterations);
+  readStatistics();
   ++statistics_.steps;
   CVodeGetCurrentStep(s.memory, &next_);
   endTime_ = outcome == CV_TSTOP_RETURN ? stop : reached;

@@ -29,8 +29,12 @@ private:
   double next_ = 0;
   bool careful_ = false;
   std::vector<double> trial_;
+  IntegratorStatistics before_;  // CVODE was initialised last
 
   void setTolerance();
+  void readStatistics();
+  void restart(double time);
+  void repeat(double limit);
   bool hasDefect(double end);
 };
 

@@ -33,7 +33,7 @@ void FoldedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   }
   isSmall_ = chooseSmall(at, rows, problem);
   inverseDeterminant_ = 1;
-  if (std::none_of(margins_.begin(), margins_.end(), [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; }))
+  if (margins_.empty() || !start.mayPress())
     return;
   pressing_ = start.pressing();
   for (const double factor : pressing_.inverseDeterminant)
@@ -95,10 +95,7 @@ void FoldedForces::freeForce(const ModelEvaluation &at, const RowSystem &rows, c
   for (const Slipping &slip : slipping_) {
     if (slip.unknown >= 0)
       continue;
-    const double force = -slip.sign * problem.bound[slip.row - n];
-    const double *row = rows.jacobian(slip.row);
-    for (int k = 0; k < nv; ++k)
-      force_[k] += force * row[k];
+    rows.addForce(slip.row, -slip.sign * problem.bound[slip.row - n], force_.data());
   }
 }
 

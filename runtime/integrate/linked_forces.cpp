@@ -31,11 +31,9 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   saturated_.clear();
   if (rows.count() > 0 && !start.listEquations(equations_, saturated_))
     return false;
+  mayPress_ = rows.count() > 0 && start.mayPress();
   if (!listActive(rows, problem, mode) || !factorise(at, rows, problem))
     return false;
-  const auto margins = rows.count() > 0 ? start.margins() : std::span<const ModeMargin>();
-  mayPress_ =
-      std::any_of(margins.begin(), margins.end(), [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; });
   if (mayPress_)
     begin_ = system_.determinant();
   return true;
@@ -139,11 +137,8 @@ bool LinkedForces::evaluate(const ModelEvaluation &at, const RowSystem &rows, co
     return false;
   std::copy_n(at.force.data(), at.model().nv, force_.data());
   for (const Limited &limited : limited_)
-    if (limited.place < 0) {
-      const double bound = -limited.sign * problem.bound[limited.row - problem.normalCount];
-      for (int k = 0; k < at.model().nv; ++k)
-        force_[k] += bound * rows.jacobian(limited.row)[k];
-    }
+    if (limited.place < 0)
+      rows.addForce(limited.row, -limited.sign * problem.bound[limited.row - problem.normalCount], force_.data());
   bias_.resize(sets_.size());
   unknownForce_.resize(sets_.size());
   for (std::size_t s = 0; s < sets_.size(); ++s)

@@ -133,10 +133,14 @@ void ModeDynamics::watchFriction() {
       metNegativeFriction_ = true;
 }
 
-bool ModeDynamics::prepare(double time, const double *state) {
+void ModeDynamics::beginEvaluation(double time, const double *state) {
   ++evaluations_;
   failure_ = EvaluationFailure::None;
   at_.setPoint(time, state);
+}
+
+bool ModeDynamics::prepare(double time, const double *state) {
+  beginEvaluation(time, state);
   if (!slips_.empty()) {
     at_.switching(ModelEvaluation::Slips);
     slips_.align(rows_);
@@ -381,11 +385,9 @@ bool ModeDynamics::evaluate(double time, const double *state, double *rate) {
 
 // The begin of a mode whose rows have been solved for.
 bool ModeDynamics::evaluateSolved(double time, const double *state, const SolvedContacts &solved, double *rate) {
-  ++evaluations_;
-  failure_ = EvaluationFailure::None;
+  beginEvaluation(time, state);
   isProjected_ = false;
   correction_ = 0;
-  at_.setPoint(time, state);
   isGathered_ = hasRows_ = true;
   watchFriction();
   if (!startForces(&solved.forces))
@@ -411,9 +413,7 @@ bool ModeDynamics::evaluateProjected(double time, double *state, double *rate, c
 }
 
 bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate) {
-  ++evaluations_;
-  failure_ = EvaluationFailure::None;
-  at_.setPoint(time, state);
+  beginEvaluation(time, state);
   isGathered_ = hasRows_ = isComplete_ = false;
   if (rows_.count() > 0) {
     at_.contactForces(mask_.data());
@@ -434,9 +434,7 @@ void ModeDynamics::chooseLinked() {
 
 // False: by this means it cannot be evaluated there, and will not be until the mode begins again.
 bool ModeDynamics::evaluateLinked(double time, const double *state, double *rate) {
-  ++evaluations_;
-  failure_ = EvaluationFailure::None;
-  at_.setPoint(time, state);
+  beginEvaluation(time, state);
   isGathered_ = hasRows_ = isComplete_ = false;
   if (rows_.count() > 0) {
     at_.contactForces(mask_.data());

@@ -249,6 +249,7 @@ private:
   bool choose(const Mode &mode, double time, const double *state, const SolvedContacts *solved = nullptr);
   bool prepare(double time, const double *state);
   bool evaluateSolved(double time, const double *state, const SolvedContacts &solved, double *rate);
+  void beginEvaluation(double time, const double *state);
   bool evaluateSmall(double time, const double *state, double *rate);
   bool evaluateLinked(double time, const double *state, double *rate);
   void chooseLinked();
@@ -260,6 +261,7 @@ private:
   void completeRows();
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
+  [[nodiscard]] std::span<const double> marginValues() const { return isFolded_ ? folded_.marginValues() : forces_.marginValues(); }
   bool solveSliding();
   // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D;
   // `shares` (may be null): as redundant rows share their load in the end.

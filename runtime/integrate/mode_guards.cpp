@@ -16,7 +16,7 @@ void ModeDynamics::restartMargins() {
 }
 
 void ModeDynamics::recordMargins() {
-  const auto values = isFolded_ ? folded_.marginValues() : forces_.marginValues();
+  const auto values = marginValues();
   for (std::size_t k = 0; k < leastMargins_.size(); ++k) {
     if (values[k] < leastMargins_[k]) {
       leastMargins_[k] = values[k];
@@ -131,7 +131,7 @@ double ModeDynamics::readGuard(const Guard &guard) const {
   case GuardKind::Gap:
     return at_.gap[guard.index];
   case GuardKind::Force:
-    return isFolded_ ? folded_.marginValues()[guard.index] : forces_.marginValues()[guard.index];
+    return marginValues()[guard.index];
   case GuardKind::Slip:
     return guard.sign * at_.slip[guard.index];
   case GuardKind::SlipAlong:
@@ -207,19 +207,12 @@ bool ModeDynamics::isPole(int guard) const {
 }
 
 bool ModeDynamics::isAtPole() const {
-  for (std::size_t k = 0; k < leastMargins_.size(); ++k)
-    if (forces_.margins()[k].limit.row == ModeMargin::pressing) {
-      constexpr double near = 1e-3;  // so far beyond the end of the mode, relative to its begin
-      const double value = isFolded_ ? folded_.marginValues()[k] : forces_.marginValues()[k];
-      return value <= near * forces_.pressing().scale * std::abs(PressingMargin::before);
-    }
-  return false;
+  constexpr double rounding = 1e-9;  // of the determinant, relative to the begin of the mode
+  return rows_.count() > 0 && forces_.mayPress() && marginValues().back() <= rounding * forces_.pressing().scale;
 }
 
 bool ModeDynamics::mayTurnBeyondPole() const {
-  const auto margins = forces_.margins();
-  return !slips_.empty() && rows_.count() > 0 && forces_.pressing().end == PressingMargin::before &&
-         std::any_of(margins.begin(), margins.end(), [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; });
+  return !slips_.empty() && forces_.mayPress() && forces_.pressing().end == PressingMargin::before;
 }
 
 int ModeDynamics::contactOfMargin(int margin) const {

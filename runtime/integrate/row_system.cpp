@@ -415,9 +415,7 @@ void RowSystem::accelerate(const double *forces, double *acceleration) const {
 
 void RowSystem::addForces(const double *forces, double *target) const {
   for (int i = 0; i < count(); ++i)
-    for (const Span &span : spansOf(i))
-      for (int k = span.begin; k < span.end; ++k)
-        target[k] += jacobian_[i * nv_ + k] * forces[i];
+    addForce(i, forces[i], target);
 }
 
 }  // namespace tf::runtime

@@ -43,7 +43,13 @@ public:
   void bias(const ModelEvaluation &at, const double *freeAcceleration, std::vector<double> &bias) const;
   // acceleration += W Jᵀ forces, with the mobility of the last `respond` as it is now
   void accelerate(const double *forces, double *acceleration) const;
-  // target += Jᵀ forces
+  // target [nv] += J_iᵀ force
+  void addForce(int row, double force, double *target) const {
+    for (const Span &span : spansOf(row))
+      for (int k = span.begin; k < span.end; ++k)
+        target[k] += jacobian(row)[k] * force;
+  }
+  // target [nv] += Jᵀ forces
   void addForces(const double *forces, double *target) const;
   // J_i · x
   [[nodiscard]] double product(int row, const double *x) const {

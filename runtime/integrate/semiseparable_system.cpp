@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <type_traits>
 
 namespace tf::runtime {
 
@@ -32,6 +33,25 @@ template <int R> double product(const double *a, const double *b) {
   return sum;
 }
 
+// Of the number of vectors as a constant.
+template <class Function> auto withVectors(int count, const Function &function) {
+  static_assert(SemiseparableSystem::mostVectors == 6);
+  switch (count) {
+  case 1:
+    return function(std::integral_constant<int, 1>());
+  case 2:
+    return function(std::integral_constant<int, 2>());
+  case 3:
+    return function(std::integral_constant<int, 3>());
+  case 4:
+    return function(std::integral_constant<int, 4>());
+  case 5:
+    return function(std::integral_constant<int, 5>());
+  default:
+    return function(std::integral_constant<int, 6>());
+  }
+}
+
 }  // namespace
 
 void SemiseparableSystem::Determinant::multiply(double factor) {
@@ -56,20 +76,7 @@ bool SemiseparableSystem::factorise(const double *mass, int size, std::span<cons
     return false;
   order();
   combine();
-  switch (count_) {
-  case 1:
-    return eliminateAll<1>();
-  case 2:
-    return eliminateAll<2>();
-  case 3:
-    return eliminateAll<3>();
-  case 4:
-    return eliminateAll<4>();
-  case 5:
-    return eliminateAll<5>();
-  default:
-    return eliminateAll<6>();
-  }
+  return withVectors(count_, [this](auto vectors) { return eliminateAll<vectors()>(); });
 }
 
 // The rows of the unknowns, then those of the frictions, each at the end of its unknown: there is its place among the columns.
@@ -197,7 +204,7 @@ void SemiseparableSystem::turn(int k, int column, int end) {
       vector[column] = 0;
     }
   }
-  for (double *row : {change_[0], change_[1], change_[2], change_[3], change_[4], change_[5]})
+  for (auto &row : change_)
     turnCoefficients(k, row);
 }
 
@@ -299,47 +306,54 @@ template <int R> void SemiseparableSystem::pass(int number, double (&W)[R][R]) c
     }
 }
 
-// LU without exchanges. After some of the unknowns the entries that are left, of row i and column j behind them, are those of the matrix
-// less p_i·W g_j; W is the mobility of what has been eliminated, as the next body feels it.
+// After some of the unknowns the entries that are left, of row i and column j behind them, are those of the matrix less p_i·W g_j; W is the
+// mobility of what has been eliminated, as the next body feels it. One more unknown: m and l of the factors, and the pivot; 0: singular.
+template <int R>
+double SemiseparableSystem::eliminate(int number, const double *p, const double *g, double (&W)[R][R], double *m, double *l) const {
+  const bool isMass = number < size_;
+  double pivot = isMass ? 1 : 0, size = pivot;
+  for (int i = 0; i < R; ++i) {
+    double Wg = 0, Wp = 0;
+    for (int j = 0; j < R; ++j) {
+      Wg += W[i][j] * g[j];
+      Wp += W[j][i] * p[j];
+    }
+    pivot -= p[i] * Wg;
+    size += std::abs(p[i] * Wg);
+    m[i] = -Wg;
+    l[i] = -Wp;
+  }
+  if (!(std::abs(pivot) > singular * size))
+    return 0;
+  if (isMass) {
+    const double *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
+    if (transition_[number] >= 0) {
+      pass<R>(transition_[number], W);
+      turnForward<R>(transition_[number], m);
+      turnForward<R>(transition_[number], l);
+    }
+    for (int i = 0; i < R; ++i) {
+      m[i] += own[i];
+      l[i] += own[i];
+    }
+  }
+  for (int i = 0; i < R; ++i) {
+    const double factor = m[i] / pivot;
+    for (int j = 0; j < R; ++j)
+      W[i][j] += factor * l[j];
+  }
+  return pivot;
+}
+
+// LU without exchanges.
 template <int R> bool SemiseparableSystem::eliminateAll() {
   double W[R][R] = {};
   for (std::size_t place = 0; place < order_.size(); ++place) {
-    const double *p = row_.data() + place * R, *g = column_.data() + place * R;
-    double *m = left_.data() + place * R, *l = right_.data() + place * R;
-    const int number = order_[place];
-    const bool isMass = number < size_;
-    double pivot = isMass ? 1 : 0, size = pivot;
-    for (int i = 0; i < R; ++i) {
-      double Wg = 0, Wp = 0;
-      for (int j = 0; j < R; ++j) {
-        Wg += W[i][j] * g[j];
-        Wp += W[j][i] * p[j];
-      }
-      pivot -= p[i] * Wg;
-      size += std::abs(p[i] * Wg);
-      m[i] = -Wg;
-      l[i] = -Wp;
-    }
-    if (!(std::abs(pivot) > singular * size))
+    const std::size_t at = place * R;
+    const double pivot = eliminate<R>(order_[place], &row_[at], &column_[at], W, &left_[at], &right_[at]);
+    if (pivot == 0)
       return false;
-    if (isMass) {
-      const double *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
-      if (transition_[number] >= 0) {
-        pass<R>(transition_[number], W);
-        turnForward<R>(transition_[number], m);
-        turnForward<R>(transition_[number], l);
-      }
-      for (int i = 0; i < R; ++i) {
-        m[i] += own[i];
-        l[i] += own[i];
-      }
-    }
-    const double inverse = inverse_[place] = 1 / pivot;
-    for (int i = 0; i < R; ++i) {
-      const double factor = m[i] * inverse;
-      for (int j = 0; j < R; ++j)
-        W[i][j] += factor * l[j];
-    }
+    inverse_[place] = 1 / pivot;
   }
   return true;
 }
@@ -387,20 +401,7 @@ template <int R> void SemiseparableSystem::substitute(const double *rightHandSid
 }
 
 void SemiseparableSystem::solveOnce(const double *rightHandSide, double *solution) const {
-  switch (count_) {
-  case 1:
-    return substitute<1>(rightHandSide, solution);
-  case 2:
-    return substitute<2>(rightHandSide, solution);
-  case 3:
-    return substitute<3>(rightHandSide, solution);
-  case 4:
-    return substitute<4>(rightHandSide, solution);
-  case 5:
-    return substitute<5>(rightHandSide, solution);
-  default:
-    return substitute<6>(rightHandSide, solution);
-  }
+  withVectors(count_, [&](auto vectors) { substitute<vectors()>(rightHandSide, solution); });
 }
 
 // Right-hand sides less what the solution makes of them, of scaled rows, relative to what they are made of.
@@ -464,50 +465,21 @@ bool SemiseparableSystem::solve(const double *force, const double *bias, double 
 }
 
 template <int R> SemiseparableSystem::Determinant SemiseparableSystem::determinantOf() const {
-  double W[R][R] = {};
+  double W[R][R] = {}, m[R], l[R];
   Determinant determinant;
   for (std::size_t place = 0; place < order_.size(); ++place) {
     determinant.multiply(1 / inverse_[place]);
-    const int number = order_[place];
-    if (number >= size_)
+    if (order_[place] >= size_)
       continue;
-    const double *p = row_.data() + place * R, *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
-    double m[R], pivot = 1;
-    for (int i = 0; i < R; ++i) {
-      const double Wp = product<R>(W[i], p);
-      pivot -= p[i] * Wp;
-      m[i] = -Wp;
-    }
-    determinant.multiply(1 / pivot);
-    if (transition_[number] >= 0) {
-      pass<R>(transition_[number], W);
-      turnForward<R>(transition_[number], m);
-    }
-    for (int i = 0; i < R; ++i)
-      m[i] += own[i];
-    for (int i = 0; i < R; ++i)
-      for (int j = 0; j < R; ++j)
-        W[i][j] += m[i] * m[j] / pivot;
+    const double *row = row_.data() + place * R;
+    determinant.multiply(1 / eliminate<R>(order_[place], row, row, W, m, l));
   }
   return determinant;
 }
 
 // That of the whole matrix over that of M.
 SemiseparableSystem::Determinant SemiseparableSystem::determinant() const {
-  switch (count_) {
-  case 1:
-    return determinantOf<1>();
-  case 2:
-    return determinantOf<2>();
-  case 3:
-    return determinantOf<3>();
-  case 4:
-    return determinantOf<4>();
-  case 5:
-    return determinantOf<5>();
-  default:
-    return determinantOf<6>();
-  }
+  return withVectors(count_, [this](auto vectors) { return determinantOf<vectors()>(); });
 }
 
 }  // namespace tf::runtime

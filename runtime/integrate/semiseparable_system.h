@@ -35,11 +35,12 @@ public:
     double factor = 0;
   };
 
-  // Of M [n × n, row-major, symmetric] with the rows; `unknowns` are numbers of rows, `frictions` are those of all unknowns. All must exist
-  // while the system is solved. False: not of this kind, or singular.
+  // Of M [size × size, row-major, symmetric; its unit times velocities' is that of momenta] with the rows; `unknowns` are numbers of rows,
+  // `frictions` are those of all unknowns. All must exist while the system is solved. False: not of this kind, or singular.
   bool factorise(const double *mass, int size, std::span<const Row> rows, std::span<const int> unknowns,
                  std::span<const Friction> frictions);
-  // a [n] and x. False: not to the accuracy of the numbers.
+  // `acceleration` [size] and `forces` [unknowns] for f = `force` [size] and c = `bias` [unknowns], in the units of the model. False: not
+  // to the accuracy of the numbers.
   bool solve(const double *force, const double *bias, double *acceleration, double *forces);
 
   // Number of vectors.
@@ -67,6 +68,7 @@ private:
   void keepColumn(int end);
   void order();
   void combine();
+  template <int R> double eliminate(int number, const double *p, const double *g, double (&W)[R][R], double *m, double *l) const;
   template <int R> bool eliminateAll();
   template <int R> void substitute(const double *rightHandSide, double *solution) const;
   template <int R> [[nodiscard]] Determinant determinantOf() const;

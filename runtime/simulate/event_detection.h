@@ -42,7 +42,6 @@ public:
   void resume(double time, double partOfRounding);
   // The integrator has been started in the new mode.
   void watchStart();
-  void watchZeros(double factor);
   // Where the next step should end at the latest: `limit`, or right behind an event that is expected before it.
   double stepLimit(double limit);
   // The last step was to end there, not at its limit: its length is no measure of its error.
@@ -80,6 +79,7 @@ private:
 
   [[nodiscard]] bool isCurrent() const;
   [[nodiscard]] bool opensAtSpeed(int guard, double partOfRounding) const;
+  void watchZeros(double factor);
   void chooseAwake();
   void coverStep(double reach);
   void wake();

@@ -23,9 +23,9 @@ void Invariants::observe(ModeDynamics &dynamics, bool hasAllGaps) {
   for (int i = 0; i < model.nc; ++i) {
     if (at.gap[i] < gap_.value && (hasAllGaps || at.screen().isAwake(i)))
       gap_ = {at.gap[i], time, i};
-    // An open contact has no force: that is a value, too.
     if (isAtPole)
       continue;
+    // An open contact has no force: that is a value, too.
     const double force = dynamics.mode().closed[i] ? dynamics.normalForce(i) : 0;
     if (force < normalForce_.value)
       normalForce_ = {force, time, i};
