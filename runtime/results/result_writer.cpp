@@ -3,7 +3,9 @@
 #include "runtime/results/output_file.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <utility>
 
 namespace tf::runtime {
 
@@ -18,7 +20,8 @@ double valueOf(const ResultColumn &column, std::span<const double> values) {
 
 class CsvWriter : public ResultWriter {
 public:
-  CsvWriter(OutputFile file, std::vector<ResultColumn> columns) : file_(std::move(file)), columns_(std::move(columns)) {}
+  CsvWriter(OutputFile file, std::vector<ResultColumn> columns)
+      : file_(std::move(file)), columns_(std::move(columns)), fields_(columns_.size()) {}
 
   // An error stays with the file: the first row reports it.
   void writeHeader() {
@@ -33,9 +36,24 @@ public:
   }
 
   Outcome<void> writeRow(std::span<const double> values) override {
+    std::swap(line_, lastLine_);
     line_.clear();
-    for (const ResultColumn &column : columns_) {
-      appendNumber(line_, valueOf(column, values));
+    for (std::size_t i = 0; i < columns_.size();) {
+      const std::size_t first = i, begin = line_.size();
+      while (i < columns_.size() && isRepeated(fields_[i], valueOf(columns_[i], values)))
+        ++i;
+      if (i > first) {
+        line_.append(lastLine_, fields_[first].begin, fields_[i - 1].end - fields_[first].begin);
+        const std::size_t shift = begin - fields_[first].begin;  // downwards, too
+        for (std::size_t k = first; k < i; ++k) {
+          fields_[k].begin += shift;
+          fields_[k].end += shift;
+        }
+      } else {
+        const double value = valueOf(columns_[i], values);
+        appendNumber(line_, value);
+        fields_[i++] = {value, begin, line_.size()};
+      }
       line_ += ',';
     }
     line_.replace(line_.size() - 1, 1, lineEnd);
@@ -45,9 +63,20 @@ public:
   Outcome<void> finish() override { return file_.close(); }
 
 private:
+  // A value of the last row and its place in that: most numbers of the two rows at an event are the same, and copied.
+  struct Field {
+    double value = 0;
+    std::size_t begin = 0, end = 0;
+  };
+
+  static bool isRepeated(const Field &last, double value) {
+    return last.end > last.begin && std::bit_cast<std::uint64_t>(value) == std::bit_cast<std::uint64_t>(last.value);
+  }
+
   OutputFile file_;
   std::vector<ResultColumn> columns_;
-  std::string line_;
+  std::vector<Field> fields_;
+  std::string line_, lastLine_;
 };
 
 void appendJsonString(std::string &text, std::string_view value) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -97,6 +98,31 @@ TEST_F(ResultFiles, CsvRowsAreThereAsSoonAsTheyAreWritten) {
   EXPECT_EQ(contents(path("out.csv")), "time,q[1],der(q[2])\r\n0,2,5\r\n");
   EXPECT_TRUE(writer.value()->finish().ok());
   EXPECT_EQ(contents(path("out.csv")), "time,q[1],der(q[2])\r\n0,2,5\r\n");
+}
+
+// Whatever part of a row is that of the one before, beside zeros of both signs and numbers that are none.
+TEST_F(ResultFiles, CsvRowsRepeatNumbers) {
+  auto writer = ResultWriter::create(path("out.csv"), test::particleModel(), columns(test::particleModel(), {0, 2, 5}));
+  ASSERT_TRUE(writer.ok()) << writer.error();
+  std::vector<double> values = numbered(test::particleModel());
+  std::string expected = "time,q[1],der(q[2])\r\n";
+  const std::vector<std::pair<std::array<double, 3>, std::string>> rows = {{{0, -0.0, 1.25}, "0,0,1.25"},
+                                                                           {{-0.0, 0, 1.25}, "0,0,1.25"},
+                                                                           {{123.5, 0, 1.25}, "123.5,0,1.25"},
+                                                                           {{123.5, 0, 1.25}, "123.5,0,1.25"},
+                                                                           {{1, -infinity, 5}, "1,-inf,5"},
+                                                                           {{1, -infinity, 6}, "1,-inf,6"},
+                                                                           {{1, 77, 6}, "1,77,6"},
+                                                                           {{1, NAN, 6}, "1,nan,6"},
+                                                                           {{2, NAN, 0}, "2,nan,0"}};
+  for (const auto &[numbers, text] : rows) {
+    values[0] = numbers[0];
+    values[2] = numbers[1];
+    values[5] = numbers[2];
+    EXPECT_TRUE(writer.value()->writeRow(values).ok());
+    expected += text + "\r\n";
+  }
+  EXPECT_EQ(contents(path("out.csv")), expected);
 }
 
 TEST_F(ResultFiles, JsonHasVariablesAndColumns) {

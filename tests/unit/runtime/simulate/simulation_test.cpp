@@ -90,6 +90,17 @@ TEST_P(EveryIntegrator, SlipsThenSticks) {
   EXPECT_NEAR(run.eventTime(TF_EVENT_STICK), 1, 1e-8);
 }
 
+// CVODE is initialised anew at each event: the numbers of before are kept.
+TEST(SimulationStatistics, CountTheWorkOfCvode) {
+  Trajectory run(test::beltModel(), {}, TF_CVODE);
+  run.to(2);
+  const tf_statistics &statistics = run.simulation().statistics();
+  EXPECT_FALSE(run.events.empty());
+  EXPECT_GT(statistics.jacobians, static_cast<int>(run.events.size()));
+  EXPECT_GE(statistics.newton_iterations, statistics.steps);
+  EXPECT_GE(statistics.evaluations, statistics.newton_iterations);
+}
+
 TEST_P(EveryIntegrator, BeltSticksThenSlips) {
   Trajectory run(test::beltModel(), {}, GetParam());
   run.to(2);
