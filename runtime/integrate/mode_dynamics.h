@@ -189,6 +189,8 @@ public:
   // `part` of their scale: slips of one body stop together.
   double projectStop(double time, double *state, const double *scale, int stopped, double part);
   [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
+  // Rows that are held depend on each other: beside what the mode holds they may contradict one another.
+  [[nodiscard]] bool hasRedundantRows() const { return rows_.count() > 0 && forces_.redundant(); }
   // Adds to the velocities of (time, state) what the mode's impulses do that take gap rates and slips of its active rows to zero, with the
   // friction of rows that slip: a motion that came to rest a little off another one, for derivatives of it.
   bool stop(double time, double *state);

@@ -132,7 +132,6 @@ double Sensitivities::scaleOf(const Column &column, const double *direction) con
 
 // b = ∂f/∂θ at fixed state, with A = ∂f/∂y there.
 bool Sensitivities::inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b) {
-  const int velocities = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
   fixSlips(time, state);
   bool isGood = true;
   for (std::size_t k = 0; k < columns_.size(); ++k) {
@@ -141,8 +140,8 @@ bool Sensitivities::inhomogeneity(double time, const double *state, const Eigen:
     if (!columns_[k].movesModel)
       continue;
     isGood = differenceRate(columns_[k], time, state, target) && isGood;
-    if (slips_.size() > 0)
-      target -= slope.middleCols(velocities, nv) * Eigen::Map<const Eigen::VectorXd>(rateAndVelocity_.data() + n_, nv);
+    if (movesState())
+      target -= slope * Eigen::Map<const Eigen::VectorXd>(rateAndState_.data() + n_, n_);
   }
   return isGood;
 }
@@ -161,28 +160,32 @@ void Sensitivities::fixSlips(double time, const double *state) {
   dynamics_.turningSlips(time, state, slips_.data());
 }
 
-// d/dθ of the rate along a motion in which slips of two components stay, into b; with that of its velocities, into rateAndVelocity_.
+// d/dθ of the rate along a motion in which slips of two components stay, into b; with that of its state, into rateAndState_. Rows that
+// depend on each other have forces only where the state is what they hold, which θ moves: the state follows.
 bool Sensitivities::differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b) {
   const int first = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
-  const int extra = slips_.size() > 0 ? nv : 0;
+  const int extra = movesState() ? n_ : 0;
+  const bool follows = dynamics_.hasRedundantRows();
   const auto rate = [&](double s, double *values) {
     shift(column, s);
     std::copy_n(state, point_.size(), point_.begin());
-    if (extra > 0) {
+    if (slips_.size() > 0) {
       dynamics_.turningSlips(time, state, slipChange_.data());
       slipChange_ = slips_ - slipChange_;
       Eigen::Map<Eigen::VectorXd>(point_.data() + first, nv) += velocityBySlip_.solve(slipChange_);
     }
+    if (follows)
+      dynamics_.project(time, point_.data(), scale_);
     if (!dynamics_.evaluate(time, point_.data(), rate_.data()))
       return false;
     std::copy_n(rate_.begin(), n_, values);
-    std::copy_n(point_.begin() + first, extra, values + n_);
+    std::copy_n(point_.begin(), extra, values + n_);
     return true;
   };
-  rateAndVelocity_.resize(static_cast<std::size_t>(n_) + static_cast<std::size_t>(nv));
-  const bool isGood = difference(rate, scaleOf(column, still_.data()), n_ + extra, rateAndVelocity_.data());
+  rateAndState_.resize(2 * static_cast<std::size_t>(n_));
+  const bool isGood = difference(rate, scaleOf(column, still_.data()), n_ + extra, rateAndState_.data());
   shift(column, 0);
-  b = Eigen::Map<const Eigen::VectorXd>(rateAndVelocity_.data(), n_);
+  b = Eigen::Map<const Eigen::VectorXd>(rateAndState_.data(), n_);
   return isGood;
 }
 
@@ -311,6 +314,7 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   if (!(h > 0) || columns_.empty() || n_ == 0)
     return true;
   const IntegratorSettings &settings = integrator.settings();
+  scale_ = settings.scale.data();
   const bool isControlled = settings.fixedStep <= 0;
   // Friction that turns with a slip of two components is steep where that is small, which the methods' difference shows.
   bool watchesJumps = isControlled && dynamics_.turningSlipCount() == 0;

@@ -106,6 +106,7 @@ private:
   bool differentiateGap(double time, const double *state, int contact, double &slope, Eigen::VectorXd &change);
   bool eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times);
   bool inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b);
+  [[nodiscard]] bool movesState() const { return slips_.size() > 0 || dynamics_.hasRedundantRows(); }
   bool differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);
   void fixSlips(double time, const double *state);
 
@@ -135,7 +136,8 @@ private:
   Eigen::VectorXd slips_, slipChange_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> slipByVelocity_;
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> velocityBySlip_;
-  std::vector<double> rateAndVelocity_;
+  std::vector<double> rateAndState_;
+  const double *scale_ = nullptr;  // of the integrator's states
 };
 
 }  // namespace tf::runtime
