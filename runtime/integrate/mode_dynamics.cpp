@@ -501,7 +501,15 @@ int ModeDynamics::jammedContact(double pressing) {
   return -1;
 }
 
-bool ModeDynamics::stop(double time, double *state) {
+bool ModeDynamics::stop(double time, double *state, const double *scale) {
+  // Beside the positions that the mode holds redundant rows contradict one another, and their forces are none that stop anything. A
+  // projection knows of no friction of rows that slip.
+  const auto sticks = [this](int row) { return mode_.tangent[row] == Tangent::Stick; };
+  if (hasRedundantRows() && std::all_of(rows_.tangents().begin(), rows_.tangents().end(), sticks)) {
+    keepEvaluation(time, state);
+    project(time, state, scale);
+    return true;
+  }
   if (!evaluate(time, state, plus_.data()))
     return false;
   if (rows_.count() == 0)

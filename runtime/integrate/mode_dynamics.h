@@ -192,8 +192,8 @@ public:
   // Rows that are held depend on each other: beside what the mode holds they may contradict one another.
   [[nodiscard]] bool hasRedundantRows() const { return rows_.count() > 0 && forces_.redundant(); }
   // Adds to the velocities of (time, state) what the mode's impulses do that take gap rates and slips of its active rows to zero, with the
-  // friction of rows that slip: a motion that came to rest a little off another one, for derivatives of it.
-  bool stop(double time, double *state);
+  // friction of rows that slip: a motion that came to rest a little off another one, for derivatives of it. `scale` as of `project`.
+  bool stop(double time, double *state, const double *scale);
 
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }

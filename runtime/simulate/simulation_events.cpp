@@ -66,7 +66,8 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   compareModes(model_, previousMode_, mode_, transitions);
   // Motions nearby that still slip or move apart come to what the mode holds within an instant of the same order.
   if (sensitivities_) {
-    const auto stop = [this](double time, double *state) { return dynamics_.stop(time, state); };
+    const double *scale = integrators_.current().settings().scale.data();
+    const auto stop = [this, scale](double time, double *state) { return dynamics_.stop(time, state, scale); };
     if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failSensitivities("the mode that begins");
     // That instant's impulses have shares, too, which are not those of the mode; where nothing can move afterwards they do not matter.

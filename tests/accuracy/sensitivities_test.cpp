@@ -472,7 +472,9 @@ INSTANTIATE_TEST_SUITE_P(
                     Case{kBounds, 0.246, "v2", 0.8, 1e-8}));
 
 // Of a tip on a sphere three rows are redundant, and contradict one another where the table has another speed than the tip.
-INSTANTIATE_TEST_SUITE_P(Redundant, RunDifferences, testing::Values(Case{kTether, 1.6, "W", 4}, Case{kTether, 1.9, "W", 4}));
+INSTANTIATE_TEST_SUITE_P(Redundant, RunDifferences,
+                         testing::Values(Case{kTether, 1.6, "W", 4}, Case{kTether, 1.9, "W", 4}, Case{kTether, 1.9, "gx", 3, 1e-6},
+                                         Case{kTether, 1.9, "mu", 0.4, 1e-6}, Case{kTether, 1.9, "d", 0.5, 1e-6}));
 
 void expectRefusal(CompiledModel &model, const char *name, double end, const char *reason) {
   differentiateBy(model, {name});
