@@ -32,10 +32,13 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   if (rows.count() > 0 && !start.listEquations(equations_, saturated_))
     return false;
   mayPress_ = rows.count() > 0 && start.mayPress();
-  if (!listActive(rows, problem, mode) || !factorise(at, rows, problem))
+  if (!listActive(rows, problem, mode))
     return false;
-  if (mayPress_)
-    begin_ = system_.determinant();
+  if (!mayPress_)
+    return true;
+  if (!factorise(at, rows, problem))
+    return false;
+  begin_ = system_.determinant();
   return true;
 }
 

@@ -15,7 +15,7 @@ namespace tf::runtime {
 class LinkedForces {
 public:
   // Begins a mode in which all normal rows of `rows` are closed, at the evaluation's point, where the rows have been gathered and `start`
-  // has been evaluated. False: it is not of this kind.
+  // has been evaluated. False: it is not of this kind; that may show in the first evaluation only.
   bool choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
               const ModeForces &start);
 

@@ -147,13 +147,9 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
                                      std::vector<double> &frictionRate, std::vector<double> &boundRate) {
   const tf_model &model = at_.model();
   const int nx = at_.columns();
-  const std::vector<int> owner = contactsOfTangents(model);
   std::vector<std::uint8_t> mask = mask_;
   for (const int contact : rows.contacts())
     mask[contact] = 1;
-  for (const int row : rows.tangents())
-    if (owner[row] >= 0)
-      mask[owner[row]] = 1;
   completeRows();
   solveMultipliers();
   at_.dynamicsDerivatives(mask.data());
@@ -192,6 +188,7 @@ void ModeDynamics::accelerationRates(const RowSystem &rows, const double *rate, 
   for (int i = 0; i < rows.count(); ++i)
     accelerationRate[i] =
         rows.product(i, jerk.data()) + (i < normals ? along(at_.normalByState, rows.contacts()[i]) : tangentRate(i - normals));
+  const std::vector<int> owner = contactsOfTangents(model);
   for (std::size_t j = 0; j < rows.tangents().size(); ++j) {
     const int row = rows.tangents()[j];
     frictionRate[j] = owner[row] >= 0 ? along(at_.frictionByState, owner[row]) : 0;
