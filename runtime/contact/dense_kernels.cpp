@@ -300,6 +300,19 @@ TF_WIDE int firstWithin(const double *values, int begin, int end, double x, doub
   return k;
 }
 
+TF_WIDE bool isZero(const double *x, int count) {
+  Lanes largest{}, a;
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    load(a, x + k);
+    takeLarger(largest, a);
+  }
+  double rest = largestOf(largest);
+  for (; k < count; ++k)
+    rest = std::max(rest, std::abs(x[k]));
+  return rest == 0;
+}
+
 TF_WIDE Difference largestDifference(const double *x, const double *y, int count) {
   Lanes largest{}, ofFirst{}, a, b;
   int k = 0;

@@ -28,6 +28,7 @@ struct Difference {
   double largest = 0, ofFirst = 0;
 };
 Difference largestDifference(const double *x, const double *y, int count);
+bool isZero(const double *x, int count);
 
 // rest_k = row_k scale_k − Σ_i factors_i parts_i,k, and the largest magnitudes of rest_k and of row_k scale_k.
 struct RowRest {

@@ -1,5 +1,7 @@
 #include "runtime/integrate/linked_forces.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <algorithm>
 
 namespace tf::runtime {
@@ -9,7 +11,7 @@ namespace {
 // Multiplications of the dense equations, whose loops are long and simple, against those of the recursion: measured, to some tens of
 // percent.
 bool isWorthwhile(double velocities, double rows) {
-  constexpr double ofOneStep = 600;
+  constexpr double ofOneStep = 300;
   const double mass = velocities * velocities * velocities / 6;
   const double response = velocities * rows * (velocities + rows) / 2, forces = rows * rows * rows / 3;
   return mass + response + forces > ofOneStep * (velocities + rows);
@@ -29,6 +31,7 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   shares_.assign(rows.count(), 0.0);
   equations_.clear();
   saturated_.clear();
+  isKnown_ = false;
   if (rows.count() > 0 && !start.listEquations(equations_, saturated_))
     return false;
   mayPress_ = rows.count() > 0 && start.mayPress();
@@ -76,20 +79,39 @@ void LinkedForces::listRows(const RowSystem &rows) {
   }
 }
 
+// The same rows where the model has them. False: those that were equal differ, or one reaches further.
+bool LinkedForces::readRows(const ModelEvaluation &at, const RowSystem &rows) {
+  int next = 0;
+  for (int row = 0; row < rows.count(); ++row) {
+    const double *entries = rows.modelRow(at, row);
+    if (entries == nullptr)
+      return false;
+    SemiseparableSystem::Row &own = rows_[number_[row]];
+    if (number_[row] == next) {
+      own.entries = entries;
+      ++next;
+      if (!isZero(entries + own.end, rows.width() - own.end))
+        return false;
+    } else if (!RowSystem::areEqual(entries, own.entries, rows.width())) {
+      return false;
+    }
+  }
+  return true;
+}
+
 // Friction that a normal force takes along tells it apart from those of equal rows.
 void LinkedForces::findSets(const RowSystem &rows, const ContactRows &problem) {
   const int n = rows.normalCount();
   isAlone_.assign(active_.size(), 0);
-  frictions_.clear();
   for (const Limited &limited : limited_)
     if (limited.place >= 0 && problem.friction[limited.row - n] != 0)
       isAlone_[limited.place] = 1;
   sets_.clear();
   setOf_.resize(active_.size());
-  setOfRow_.assign(rows.count(), -1);
+  setOfNumber_.assign(rows_.size(), -1);
   unknowns_.clear();
   for (std::size_t a = 0; a < active_.size(); ++a) {
-    int own = -1, *set = isAlone_[a] != 0 ? &own : &setOfRow_[rows.firstEqual(active_[a])];
+    int own = -1, *set = isAlone_[a] != 0 ? &own : &setOfNumber_[number_[active_[a]]];
     if (*set < 0) {
       *set = static_cast<int>(sets_.size());
       sets_.push_back({active_[a], 0, -1});
@@ -98,25 +120,30 @@ void LinkedForces::findSets(const RowSystem &rows, const ContactRows &problem) {
     setOf_[a] = *set;
     ++sets_[*set].count;
   }
+  listFrictions(n, problem);
+}
+
+void LinkedForces::listFrictions(int normals, const ContactRows &problem) {
+  frictions_.clear();
   for (const Limited &limited : limited_)
     if (limited.place >= 0 && isAlone_[limited.place] != 0)
-      frictions_.push_back({setOf_[limited.place], number_[limited.row], -limited.sign * problem.friction[limited.row - n]});
+      frictions_.push_back({setOf_[limited.place], number_[limited.row], -limited.sign * problem.friction[limited.row - normals]});
 }
 
 // One for each set. False: the rows depend on each other otherwise.
-bool LinkedForces::assignEquations(const RowSystem &rows) {
+bool LinkedForces::assignEquations() {
   if (equations_.size() != sets_.size())
     return false;
   for (const Limited &limited : limited_)
-    if (limited.sticks && setOfRow_[rows.firstEqual(limited.row)] < 0)
+    if (limited.sticks && setOfNumber_[number_[limited.row]] < 0)
       return false;
   for (const int row : equations_) {
     const auto place = std::lower_bound(active_.begin(), active_.end(), row);
     const bool isActive = place != active_.end() && *place == row;
-    int &equation = sets_[isActive ? setOf_[place - active_.begin()] : setOfRow_[rows.firstEqual(row)]].equation;
-    if (equation >= 0)
+    const int set = isActive ? setOf_[place - active_.begin()] : setOfNumber_[number_[row]];
+    if (set < 0 || sets_[set].equation >= 0)
       return false;
-    equation = row;
+    sets_[set].equation = row;
   }
   return true;
 }
@@ -124,7 +151,20 @@ bool LinkedForces::assignEquations(const RowSystem &rows) {
 bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
   listRows(rows);
   findSets(rows, problem);
-  return assignEquations(rows) && system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
+  isKnown_ = assignEquations() && system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
+  return isKnown_;
+}
+
+// Friction may begin or cease to take part, as coefficients are zero or not.
+bool LinkedForces::refactorise(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem) {
+  const int n = rows.normalCount();
+  for (const Limited &limited : limited_)
+    if (limited.place >= 0 && (problem.friction[limited.row - n] != 0) != (isAlone_[limited.place] != 0))
+      return false;
+  if (!readRows(at, rows))
+    return false;
+  listFrictions(n, problem);
+  return system_.refactorise(at.massMatrix.data(), rows_);
 }
 
 void LinkedForces::expand(const ContactProblem &problem) {
@@ -134,20 +174,29 @@ void LinkedForces::expand(const ContactProblem &problem) {
     forces_[limited.row] = -limited.sign * problem.limit(limited.row - problem.normalCount, forces_.data());
 }
 
-bool LinkedForces::evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration,
-                            ModeForces &forces) {
-  if (!factorise(at, rows, problem))
-    return false;
+bool LinkedForces::solve(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration) {
   std::copy_n(at.force.data(), at.model().nv, force_.data());
   for (const Limited &limited : limited_)
-    if (limited.place < 0)
-      rows.addForce(limited.row, -limited.sign * problem.bound[limited.row - problem.normalCount], force_.data());
+    if (limited.place < 0) {
+      const SemiseparableSystem::Row &row = rows_[number_[limited.row]];
+      const double force = -limited.sign * problem.bound[limited.row - problem.normalCount];
+      for (int k = 0; k < row.end; ++k)
+        force_[k] += row.entries[k] * force;
+    }
   bias_.resize(sets_.size());
   unknownForce_.resize(sets_.size());
   for (std::size_t s = 0; s < sets_.size(); ++s)
     bias_[s] = rows.modelBias(at, sets_[s].equation);
-  if (!system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data()))
-    return false;
+  return system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data());
+}
+
+bool LinkedForces::evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration,
+                            ModeForces &forces) {
+  if (!(isKnown_ && refactorise(at, rows, problem) && solve(at, rows, problem, acceleration))) {
+    rows.gatherRows(at);
+    if (!factorise(at, rows, problem) || !solve(at, rows, problem, acceleration))
+      return false;
+  }
   if (rows.count() == 0)
     return true;
   expand(problem);
@@ -165,7 +214,7 @@ void LinkedForces::compareEqual(const ModelEvaluation &at, const RowSystem &rows
       rest_[equation] = 0;
   for (const Limited &limited : limited_)
     if (limited.sticks) {
-      const int s = setOfRow_[rows.firstEqual(limited.row)];
+      const int s = setOfNumber_[number_[limited.row]];
       rest_[limited.row] = rows.modelBias(at, limited.row) - rows.modelBias(at, sets_[s].equation);
       shares_[limited.row] = unknownForce_[s] / sets_[s].count;
     }

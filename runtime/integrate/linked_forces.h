@@ -19,9 +19,9 @@ public:
   bool choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
               const ModeForces &start);
 
-  // Forces, into `forces`, and accelerations [nv] at the evaluation's point; `rows` have been gathered there. Allocates nothing once it has
-  // seen the largest system. False: it is not of this kind there, or singular.
-  bool evaluate(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
+  // Forces, into `forces`, and accelerations [nv] at the evaluation's point. `rows` are gathered there where what is known of them from
+  // other points does not do. Allocates nothing once it has seen the largest system. False: it is not of this kind there, or singular.
+  bool evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
 
 private:
   // A tangential row whose friction is at its limit: its number, the place of its contact's normal row (−1: a friction element), and the
@@ -37,9 +37,13 @@ private:
   };
 
   bool factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
+  bool refactorise(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem);
+  bool solve(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration);
   void listRows(const RowSystem &rows);
+  bool readRows(const ModelEvaluation &at, const RowSystem &rows);
   void findSets(const RowSystem &rows, const ContactRows &problem);
-  bool assignEquations(const RowSystem &rows);
+  void listFrictions(int normals, const ContactRows &problem);
+  bool assignEquations();
   bool listActive(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode);
   void expand(const ContactProblem &problem);
   void compareEqual(const ModelEvaluation &at, const RowSystem &rows);
@@ -50,11 +54,12 @@ private:
   bool mayPress_ = false;
   SemiseparableSystem system_;
   SemiseparableSystem::Determinant begin_;
+  bool isKnown_ = false;                        // what rows are equal, and the system's structure: from a point before
   std::vector<SemiseparableSystem::Row> rows_;  // of which none are equal
   std::vector<int> number_;                     // in rows_, of all rows
   std::vector<std::uint8_t> isAlone_;           // of active rows
   std::vector<Set> sets_;
-  std::vector<int> setOf_, setOfRow_;  // of active rows, and of all rows (−1: none yet)
+  std::vector<int> setOf_, setOfNumber_;  // of active rows, and of rows_ (−1: none yet)
   std::vector<int> unknowns_;
   std::vector<SemiseparableSystem::Friction> frictions_;
   std::vector<double> force_, bias_, unknownForce_, forces_, rest_, shares_;

@@ -429,22 +429,26 @@ bool ModeDynamics::evaluateSmall(double time, const double *state, double *rate)
 
 // Slips of two components and step variables that slide are left to the dense equations.
 void ModeDynamics::chooseLinked() {
+  linkedFailures_ = 0;
   isLinked_ = !isFolded_ && sliding_.empty() && slips_.empty() && linked_.choose(at_, rows_, problem_, contactMode_, forces_);
 }
 
-// False: by this means it cannot be evaluated there, and will not be until the mode begins again.
+// False: by this means it cannot be evaluated there, and in the end will not be until the mode begins again. Rows that the begin of a mode
+// has found dependent may be so to rounding only behind its first projection.
 bool ModeDynamics::evaluateLinked(double time, const double *state, double *rate) {
   beginEvaluation(time, state);
   isGathered_ = hasRows_ = isComplete_ = false;
   if (rows_.count() > 0) {
     at_.contactForces(mask_.data());
-    system_.gather(at_);
+    rows_.gatherLimits(at_, problem_);
     watchFriction();
   } else {
     at_.forces();
   }
-  isLinked_ = linked_.evaluate(at_, rows_, problem_, at_.acceleration.data(), forces_) && giveRate(rate);
-  return isLinked_;
+  constexpr int mostFailures = 3;
+  const bool good = linked_.evaluate(at_, rows_, problem_, at_.acceleration.data(), forces_) && giveRate(rate);
+  isLinked_ = good || ++linkedFailures_ < mostFailures;
+  return good;
 }
 
 // The latest forces into the model's arrays, with what follows from them.

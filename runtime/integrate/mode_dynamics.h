@@ -297,6 +297,7 @@ private:
   bool isFolded_ = false;    // folded_ gives the forces
   bool isSmall_ = false;     // by evaluateSmall
   bool isLinked_ = false;    // linked_ gives the forces, by evaluateLinked
+  int linkedFailures_ = 0;   // in this mode
   bool isGathered_ = false;  // the last evaluation has gathered rows_ and factorised M
   bool hasRows_ = false;     // D is that of the last evaluation too
   bool isComplete_ = false;  // and forces_

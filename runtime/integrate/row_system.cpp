@@ -44,13 +44,15 @@ int trailingZeros(const double *x, int count) {
   return count - k;
 }
 
-bool areEqual(const double *x, const double *y, int count) {
-  constexpr double rounding = 1e-15;
+// Of the entries of rows, relative to the largest.
+constexpr double rounding = 1e-13;
+
+}  // namespace
+
+bool RowSystem::areEqual(const double *x, const double *y, int count) {
   const Difference difference = largestDifference(x, y, count);
   return difference.largest <= rounding * difference.ofFirst;
 }
-
-}  // namespace
 
 void RowSystem::choose(const tf_model &model, const std::vector<int> &contacts, const std::vector<int> &tangents, ContactRows &problem) {
   contacts_ = contacts;
@@ -119,7 +121,7 @@ void RowSystem::prepareTwins() {
 
 // Only rows are compared whose products with a vector of no regularity are equal, too. A pair that is missed costs time only.
 void RowSystem::findTwin(int i, double mark) {
-  constexpr double similar = 1e-13;
+  constexpr double similar = 1e-12;
   const double *row = jacobian(i);
   const double accepted = similar * std::abs(mark);
   const int count = static_cast<int>(first_.size()), end = endOf(i);
@@ -144,14 +146,12 @@ void RowSystem::gatherRows(const ModelEvaluation &at) {
   }
   for (int i = 0; i < m; ++i) {
     double *row = jacobian_.data() + static_cast<std::ptrdiff_t>(i) * nv_;
-    const double *source = row;
-    if (i < n)
-      source = at.normal.data() + static_cast<std::ptrdiff_t>(contacts_[i]) * nv_;
-    else if (side_[i - n] == 0)
-      source = at.tangent.data() + static_cast<std::ptrdiff_t>(tangents_[i - n]) * nv_;
-    else
+    const double *source = modelRow(at, i);
+    if (source == nullptr) {
       for (int k = 0; k < nv_; ++k)
         row[k] = tangentValue(at.tangent.data() + k, nv_, i - n);
+      source = row;
+    }
     if (isNarrow) {
       for (int k = 0; k < nv_; ++k)
         row[k] = source[k];

@@ -63,6 +63,16 @@ public:
     return row < normalCount() ? at.normalBias[contacts_[row]] : tangentValue(at.tangentBias.data(), 1, row - normalCount());
   }
 
+  // Whether rows [width()] are equal to rounding, in their first `count` entries.
+  [[nodiscard]] static bool areEqual(const double *x, const double *y, int count);
+  // Where row i is among the model's, not gathered; nullptr: its frame makes it another one.
+  [[nodiscard]] const double *modelRow(const ModelEvaluation &at, int i) const {
+    if (i < normalCount())
+      return at.normal.data() + static_cast<std::ptrdiff_t>(contacts_[i]) * nv_;
+    const int j = i - normalCount();
+    return side_[j] == 0 ? at.tangent.data() + static_cast<std::ptrdiff_t>(tangents_[j]) * nv_ : nullptr;
+  }
+
   [[nodiscard]] const double *jacobian(int row) const { return jacobian_.data() + static_cast<std::ptrdiff_t>(row) * nv_; }
 
   // The rows of a slip with two components are a pair in a frame of its own: row j = c·(first row) + s·(second row), row j + 1 =

@@ -15,6 +15,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -39,8 +40,11 @@ public:
   // `frictions` are those of all unknowns. All must exist while the system is solved. False: not of this kind, or singular.
   bool factorise(const double *mass, int size, std::span<const Row> rows, std::span<const int> unknowns,
                  std::span<const Friction> frictions);
+  // The same at other numbers, of as many rows with the same ends: the vectors are those of the same rows. That the others are sums of them
+  // is not checked here, it shows in what solve() leaves. False: see there.
+  bool refactorise(const double *mass, std::span<const Row> rows);
   // `acceleration` [size] and `forces` [unknowns] for f = `force` [size] and c = `bias` [unknowns], in the units of the model. False: not
-  // to the accuracy of the numbers.
+  // to the accuracy of the numbers; after refactorise(), that the vectors have to be found anew.
   bool solve(const double *force, const double *bias, double *acceleration, double *forces);
 
   // Number of vectors.
@@ -57,6 +61,7 @@ public:
   [[nodiscard]] Determinant determinant() const;
 
 private:
+  bool factoriseListed();
   bool scaleColumns();
   bool findVectors();
   void listExpressed();
@@ -64,7 +69,7 @@ private:
   void dropColumns(int end);
   void turn(int k, int column, int end);
   void turnCoefficients(int k, double *coefficients) const;
-  bool express(const double *row, int end, double *coefficients, double &size);
+  bool express(const double *row, int end, double *coefficients, double &size, std::uint8_t &adds);
   void keepColumn(int end);
   void order();
   void combine();
@@ -100,6 +105,8 @@ private:
   std::vector<double> outer_, rowOuter_;   // U of rows of M (scaled) and of expressed rows [mostVectors each]
   std::vector<const double *> expressed_;  // rows of the unknowns, then of the frictions
   std::vector<double> rowSize_;            // of them: the largest scaled entry
+  std::vector<std::uint8_t> adds_;         // rows of M, and of them: they are not sums of the vectors of those before
+  bool isKnown_ = false;                   // adds_ is that of numbers before
   std::vector<int> firstOfEnd_, byEnd_;    // of them, or of the unknowns alone, by their ends
   std::vector<int> order_;                 // of elimination: column j < n, or n + unknown
   std::vector<int> ends_;                  // of the expressed rows

@@ -98,11 +98,27 @@ struct OnFloor {
     system.rows.accelerate(forces.forces().data(), expected.data());
     return true;
   }
+  // In the mode that has begun.
+  bool evaluateDense() {
+    EXPECT_TRUE(at.dynamics());
+    at.contactTerms(mask.data());
+    system.gather(at);
+    system.respond(at);
+    system.setBias(at, expected.data());
+    if (!forces.evaluate(system.problem))
+      return false;
+    system.rows.accelerate(forces.forces().data(), expected.data());
+    return true;
+  }
   void expectSame() {
     ASSERT_TRUE(solveDense());
+    ASSERT_TRUE(linked.choose(at, system.rows, system.problem, mode, forces));
+    expectEvaluated();
+  }
+  // By the linked forces of the mode that has begun, at the point of the dense ones.
+  void expectEvaluated() {
     const std::vector<double> force(forces.forces().begin(), forces.forces().end());
     const std::vector<double> margins(forces.marginValues().begin(), forces.marginValues().end());
-    ASSERT_TRUE(linked.choose(at, system.rows, system.problem, mode, forces));
     std::vector<double> acceleration(velocities);
     ASSERT_TRUE(linked.evaluate(at, system.rows, system.problem, acceleration.data(), forces));
     double scale = 0;
@@ -117,6 +133,13 @@ struct OnFloor {
           << k << " of row " << forces.margins()[k].limit.row;
     for (int i = 0; i < velocities; ++i)
       EXPECT_NEAR(acceleration[i], expected[i], 1e-9 * (1 + std::abs(expected[i]))) << i;
+  }
+
+  // The rods above the floor turn.
+  void turn(int lying, double angle) {
+    for (int i = 0; i < rods - lying; ++i)
+      state[2 + i] += angle * (1 + 0.1 * i);
+    at.setPoint(0, state.data());
   }
 
   Model model;
@@ -166,9 +189,41 @@ TEST(LinkedForces, OfAChainThatSlidesAreThoseOfAllRows) {
                           [](const ModeMargin &margin) { return margin.limit.row == ModeMargin::pressing; }));
 }
 
-// Few rows are left to the dense equations, whose loops are simple.
+// What is known of the rows from points before serves at others, to any distance: where rods are parallel in between, too.
+TEST(LinkedForces, GoOnAtOtherPoints) {
+  for (const bool slides : {true, false}) {
+    OnFloor chain(20, 0.5);
+    for (int contact = 0; contact < 20 && slides; ++contact)
+      chain.slip(contact, 1);
+    chain.expectSame();
+    for (const double angle : {1e-6, 0.01, -0.2, 0.9, 0.0}) {
+      SCOPED_TRACE(angle);
+      chain.turn(20, angle);
+      ASSERT_TRUE(chain.evaluateDense());
+      chain.expectEvaluated();
+    }
+    std::fill_n(chain.state.begin() + 2, rods, 0.0);
+    chain.turn(20, 0);
+    ASSERT_TRUE(chain.evaluateDense());
+    chain.expectEvaluated();
+  }
+}
+
+// Rows that were equal, of rods that lie, are no more where one of these lifts its end.
+TEST(LinkedForces, NoticeThatEqualRowsDiffer) {
+  OnFloor chain(20, 0.9);
+  chain.expectSame();
+  chain.state[velocities - 1] = 0.1;
+  chain.at.setPoint(0, chain.state.data());
+  EXPECT_TRUE(chain.at.dynamics());
+  chain.at.contactTerms(chain.mask.data());
+  std::vector<double> acceleration(velocities);
+  EXPECT_FALSE(chain.linked.evaluate(chain.at, chain.system.rows, chain.system.problem, acceleration.data(), chain.forces));
+}
+
+// A small system is left to the dense equations, whose loops are simple.
 TEST(LinkedForces, AreNotUsedWhereTheyDoNotPay) {
-  OnFloor chain(1, 0.5);
+  OnFloor chain(0, 0.5);
   ASSERT_TRUE(chain.solveDense());
   EXPECT_FALSE(chain.linked.choose(chain.at, chain.system.rows, chain.system.problem, chain.mode, chain.forces));
 }

@@ -138,6 +138,40 @@ TEST(SemiseparableSystem, SolvesStraightChains) {
     }
 }
 
+// Of other angles, with the vectors of the same rows.
+TEST(SemiseparableSystem, SolvesTheSameChainElsewhere) {
+  for (const bool isFree : {true, false})
+    for (const bool isRelative : {true, false}) {
+      Chain chain = randomChain(isFree, isRelative, 30, 5);
+      const System first = onGround(chain, {2, 15, 29, 30});
+      SemiseparableSystem solver;
+      ASSERT_TRUE(first.factorise(solver));
+      for (const double turned : {1e-9, 0.02, 0.7, 2.0}) {
+        for (int i = 0; i < 30; ++i)
+          chain.angles[i] += turned * std::cos(i);
+        const System system = onGround(chain, {2, 15, 29, 30});
+        ASSERT_TRUE(solver.refactorise(system.mass.data(), system.listed)) << turned;
+        EXPECT_EQ(solver.vectorCount(), isRelative ? 3 : 2) << turned;
+        expectSolved(system, solver, std::to_string(turned));
+      }
+    }
+}
+
+// A row that is no sum of the vectors any more is noticed, not solved for.
+TEST(SemiseparableSystem, NoticesThatVectorsAreMissing) {
+  const Chain chain = randomChain(true, false, 20, 6);
+  System system = onGround(chain, {3, 20});
+  SemiseparableSystem solver;
+  ASSERT_TRUE(system.factorise(solver));
+  system.rows(0, 1) += 1e-3;
+  const Eigen::VectorXd force = Eigen::VectorXd::Random(chain.size()), bias = Eigen::VectorXd::Random(4);
+  Eigen::VectorXd acceleration(chain.size()), forces(4);
+  EXPECT_FALSE(solver.refactorise(system.mass.data(), system.listed) &&
+               solver.solve(force.data(), bias.data(), acceleration.data(), forces.data()));
+  ASSERT_TRUE(system.factorise(solver));
+  expectSolved(system, solver, "found anew");
+}
+
 // What is not linked in a row has too many vectors.
 TEST(SemiseparableSystem, RefusesOtherMatrices) {
   const Eigen::MatrixXd root = Eigen::MatrixXd::Random(30, 30);
