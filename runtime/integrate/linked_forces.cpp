@@ -25,6 +25,7 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   if (model.nv <= RowSystem::narrow || model.nh > 0 || at.mobility.mass().blocks().size() != 1 ||
       !isWorthwhile(model.nv, rows.uniqueCount()))
     return false;
+  normals_ = rows.normalCount();
   force_.resize(model.nv);
   forces_.resize(rows.count());
   rest_.assign(rows.count(), 0.0);
@@ -151,6 +152,8 @@ bool LinkedForces::assignEquations() {
 bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
   listRows(rows);
   findSets(rows, problem);
+  for (Correction &correction : corrections_)
+    correction.isKnown = false;
   isKnown_ = assignEquations() && system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
   return isKnown_;
 }
@@ -218,6 +221,63 @@ void LinkedForces::compareEqual(const ModelEvaluation &at, const RowSystem &rows
       rest_[limited.row] = rows.modelBias(at, limited.row) - rows.modelBias(at, sets_[s].equation);
       shares_[limited.row] = unknownForce_[s] / sets_[s].count;
     }
+}
+
+void LinkedForces::beginCorrections() {
+  for (Correction &correction : corrections_)
+    correction.isCurrent = false;
+}
+
+bool LinkedForces::factorise(const ModelEvaluation &at, Correction &correction) {
+  if (correction.isCurrent)
+    return true;
+  const double *mass = at.massMatrix.data();
+  correction.isKnown = (correction.isKnown && correction.system.refactorise(mass, rows_)) ||
+                       correction.system.factorise(mass, at.model().nv, rows_, correction.unknowns, {});
+  correction.isCurrent = correction.isKnown;
+  return correction.isKnown;
+}
+
+bool LinkedForces::correct(const ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change) {
+  if (!isKnown_)
+    return false;
+  chosen_.clear();
+  chosenNumbers_.clear();
+  isChosen_.assign(rows_.size(), 0);
+  for (std::size_t row = 0; row < takesPart.size(); ++row)
+    if (std::uint8_t &isChosen = isChosen_[number_[row]]; takesPart[row] != 0 && isChosen == 0) {
+      isChosen = 1;
+      chosen_.push_back(static_cast<int>(row));
+      chosenNumbers_.push_back(number_[row]);
+    }
+  Correction &correction = corrections_[!chosen_.empty() && chosen_.back() >= normals_ ? 1 : 0];
+  if (correction.rows != chosen_ || correction.unknowns != chosenNumbers_) {
+    correction.rows = chosen_;
+    correction.unknowns = chosenNumbers_;
+    correction.isKnown = correction.isCurrent = false;
+  }
+  force_.assign(at.model().nv, 0.0);
+  change_.resize(at.model().nv);
+  bias_.resize(chosen_.size());
+  unknownForce_.resize(chosen_.size());
+  for (std::size_t k = 0; k < chosen_.size(); ++k)
+    bias_[k] = -residual[chosen_[k]];
+  // Corrections are small, and those of coordinates are repeated.
+  constexpr double accuracy = 1e-10;
+  const auto solve = [&] {
+    return factorise(at, correction) &&
+           correction.system.solve(force_.data(), bias_.data(), change_.data(), unknownForce_.data(), accuracy);
+  };
+  if (!solve()) {
+    // The structure may have been that of other numbers.
+    const bool again = correction.isKnown;
+    correction.isKnown = correction.isCurrent = false;
+    if (!again || !solve())
+      return false;
+  }
+  for (int i = 0; i < at.model().nv; ++i)
+    change[i] += change_[i];
+  return true;
 }
 
 }  // namespace tf::runtime

@@ -23,7 +23,22 @@ public:
   // other points does not do. Allocates nothing once it has seen the largest system. False: it is not of this kind there, or singular.
   bool evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
 
+  // change [nv] += M⁻¹ Jᵀ x with J M⁻¹ Jᵀ x = `residual` [rows] on the rows that take part, as of the evaluation that was last; from
+  // beginCorrections() on that is the same one. Equal rows have equal residuals but for rounding: the first one's counts. False: this mode
+  // was not evaluated here, or the rows (nearly) depend on each other.
+  void beginCorrections();
+  bool correct(const ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change);
+
 private:
+  // Of the rows that take part in a correction: normal rows for coordinates, those that stick as well for velocities.
+  struct Correction {
+    SemiseparableSystem system{1e-6};
+    std::vector<int> rows, unknowns;  // the first of equal ones; their numbers in rows_
+    bool isKnown = false;             // `system` has been factorised with these rows, in this mode,
+    bool isCurrent = false;           // at the point of the last evaluation
+  };
+  bool factorise(const ModelEvaluation &at, Correction &correction);
+
   // A tangential row whose friction is at its limit: its number, the place of its contact's normal row (−1: a friction element), and the
   // sign of the slip that it is opposed to. One that sticks all the same has equal rows that share what it leaves.
   struct Limited {
@@ -51,6 +66,7 @@ private:
   std::vector<int> active_, equations_;  // rows
   std::vector<Limited> limited_;
   std::vector<ForceLimit> saturated_;
+  int normals_ = 0;
   bool mayPress_ = false;
   SemiseparableSystem system_;
   SemiseparableSystem::Determinant begin_;
@@ -63,6 +79,10 @@ private:
   std::vector<int> unknowns_;
   std::vector<SemiseparableSystem::Friction> frictions_;
   std::vector<double> force_, bias_, unknownForce_, forces_, rest_, shares_;
+  Correction corrections_[2];
+  std::vector<int> chosen_, chosenNumbers_;
+  std::vector<std::uint8_t> isChosen_;  // of rows_
+  std::vector<double> change_;
 };
 
 }  // namespace tf::runtime

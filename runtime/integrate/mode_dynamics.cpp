@@ -12,7 +12,7 @@
 namespace tf::runtime {
 
 ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
-    : at_(evaluation), slips_(evaluation), projection_(evaluation, rows_, problem_),
+    : at_(evaluation), slips_(evaluation), projection_(evaluation, rows_, problem_, [this] { completeRows(); }),
       projected_(static_cast<std::size_t>(evaluation.model().nq) + evaluation.model().nv), roles_(rolesOfTangents(evaluation.model())),
       isPaired_(evaluation.model().nt), mask_(evaluation.model().nc + evaluation.model().nf), slidingMask_(evaluation.model().ns),
       change_(evaluation.model().nv), constraintChange_(evaluation.model().nh), plus_(evaluation.stateSize()),
@@ -83,7 +83,7 @@ bool ModeDynamics::choose(const Mode &mode, double time, const double *state, co
     at_.stepVariable[j] = std::clamp(at_.stepVariable[j], 0.01, 0.99);
   leastMargins_.clear();
   isFolded_ = isSmall_ = isLinked_ = false;
-  projection_.use(nullptr);
+  projection_.use(nullptr, nullptr);
   return isSolved && slips_.empty() && sliding_.empty();
 }
 
@@ -113,8 +113,8 @@ bool ModeDynamics::start(const Mode &mode, double time, const double *state, dou
   if (isFolded_)
     folded_.choose(at_, rows_, problem_, contactMode_, forces_);
   isSmall_ = isFolded_ && folded_.isSmall();
-  projection_.use(isSmall_ ? &folded_ : nullptr);
   chooseLinked();
+  projection_.use(isSmall_ ? &folded_ : nullptr, isLinked_ ? &linked_ : nullptr);
   buildGuards();
   settled_ = nullptr;
   preparedRevision_ = at_.parameterRevision();

@@ -176,7 +176,7 @@ public:
   double project(double time, double *state, const double *scale) {
     if (!projection_.isNeeded() || (isProjected_ && std::equal(projected_.begin(), projected_.end(), state)))
       return 0;
-    if (!isSmall_)
+    if (!isSmall_ && !isLinked_)
       completeRows();
     return projection_.project(time, state, scale, nothingStops_.data());
   }

@@ -6,9 +6,9 @@
 
 namespace tf::runtime {
 
-Projection::Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem)
-    : at_(evaluation), rows_(rows), problem_(problem), change_(evaluation.model().nv), constraintChange_(evaluation.model().nh),
-      before_(evaluation.stateSize()) {}
+Projection::Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem, std::function<void()> complete)
+    : at_(evaluation), rows_(rows), problem_(problem), complete_(std::move(complete)), change_(evaluation.model().nv),
+      constraintChange_(evaluation.model().nh), before_(evaluation.stateSize()) {}
 
 void Projection::resize() {
   corrected_.assign(rows_.count(), 0);
@@ -22,8 +22,12 @@ bool Projection::isNeeded() const { return rows_.count() > 0 || at_.model().nh >
 
 // target += W Jᵀ x with D x = residual_ on the rows that take part.
 void Projection::correct(double *target) {
-  if (forces_ == nullptr || !forces_->correct(at_, corrected_.data(), residual_.data(), target))
-    correctWithDelassus(target);
+  if (forces_ != nullptr && forces_->correct(at_, corrected_.data(), residual_.data(), target))
+    return;
+  if (linked_ != nullptr && linked_->correct(at_, corrected_, residual_.data(), target))
+    return;
+  complete_();
+  correctWithDelassus(target);
 }
 
 // Of D on the rows that take part; rows of which less than `dependence` of D_rr is left by the others depend on them.
@@ -172,6 +176,8 @@ double Projection::project(double time, double *state, const double *scale, cons
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
   factored_.clear();
+  if (linked_ != nullptr)
+    linked_->beginCorrections();
   std::copy_n(state, model.nq + model.nv, before_.begin());
   const bool hasGapRates = projectCoordinates(state);
   projectVelocities(state + model.nq, stopped, slips, hasGapRates);

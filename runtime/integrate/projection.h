@@ -4,23 +4,29 @@
 
 #include "runtime/contact/semidefinite_factor.h"
 #include "runtime/integrate/folded_forces.h"
+#include "runtime/integrate/linked_forces.h"
 #include "runtime/integrate/model_evaluation.h"
 #include "runtime/integrate/row_system.h"
 
 #include <cstdint>
+#include <functional>
+#include <utility>
 #include <vector>
 
 namespace tf::runtime {
 
 class Projection {
 public:
-  // The rows of the mode, with D unless `use` says otherwise, as of the latest evaluation of its dynamics; both must outlive the
-  // projection.
-  Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem);
+  // The rows of the mode with D, which `complete` makes where they are needed, as of the latest evaluation of its dynamics; all must
+  // outlive the projection.
+  Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem, std::function<void()> complete);
 
-  // The rows have been chosen anew. With `forces` that are small, D is not needed.
+  // The rows have been chosen anew. With forces that are small, or linked where they serve, D is not needed.
   void resize();
-  void use(const FoldedForces *forces) { forces_ = forces; }
+  void use(const FoldedForces *forces, LinkedForces *linked) {
+    forces_ = forces;
+    linked_ = linked;
+  }
   [[nodiscard]] bool isNeeded() const;
   // Moves (q, v) of the state at `time`, with the rows of the latest evaluation, which was there or nearby, onto gap = 0, gap rate = 0 and
   // slip = 0 where problem.slipSign is 0 or `stopped` [tangential rows] is set, and onto the constraints, and quaternions to unit length.
@@ -41,7 +47,9 @@ private:
   ModelEvaluation &at_;
   const RowSystem &rows_;
   const ContactProblem &problem_;
+  std::function<void()> complete_;
   const FoldedForces *forces_ = nullptr;
+  LinkedForces *linked_ = nullptr;
   std::vector<std::uint8_t> corrected_, factored_;  // rows that take part; those of factor_ (none: to be made)
   std::vector<int> chosen_;                         // those rows
   SemidefiniteFactor factor_;                       // D of the chosen rows

@@ -12,11 +12,9 @@ namespace tf::runtime {
 namespace {
 
 // What is left of a row by the vectors is no vector of its own up to this, relative to the row: refinement makes up for it.
-constexpr double accuracy = 1e-12;
+constexpr double madeUp = 1e-12;
 // A vector whose entries in all columns that are left are that small, relative to those that it had, is none there.
 constexpr double vanishing = 1e-15;
-// Pivots are zero up to this, relative to the terms that they are sums of.
-constexpr double singular = 1e-12;
 
 // The first entry that is not much smaller than the largest: early columns remain longest.
 int pivotOf(const double *x, int end, double largest) {
@@ -249,7 +247,7 @@ bool SemiseparableSystem::express(const double *row, int end, double *coefficien
     return true;
   const RowRest rest = subtractRows(row, scale_.data(), factors, parts, used, end, rest_.data());
   size = rest.ofRow;
-  if (rest.largest <= accuracy * rest.ofRow)
+  if (rest.largest <= madeUp * rest.ofRow)
     return true;
   adds = 1;
   const int k = static_cast<int>(std::find(pivot_, pivot_ + mostVectors, -1) - pivot_);
@@ -328,7 +326,7 @@ template <int R> void SemiseparableSystem::pass(int number, double (&W)[R][R]) c
 }
 
 // After some of the unknowns the entries that are left, of row i and column j behind them, are those of the matrix less p_i·W g_j; W is the
-// mobility of what has been eliminated, as the next body feels it. One more unknown: m and l of the factors, and the pivot; 0: singular.
+// mobility of what has been eliminated, as the next body feels it. One more unknown: m and l of the factors, and 1/pivot; 0: singular.
 template <int R>
 double SemiseparableSystem::eliminate(int number, const double *p, const double *g, double (&W)[R][R], double *m, double *l) const {
   const bool isMass = number < size_;
@@ -344,8 +342,9 @@ double SemiseparableSystem::eliminate(int number, const double *p, const double 
     m[i] = -Wg;
     l[i] = -Wp;
   }
-  if (!(std::abs(pivot) > singular * size))
+  if (!(std::abs(pivot) > dependence_ * size))
     return 0;
+  const double inverse = 1 / pivot;
   if (isMass) {
     const double *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
     if (transition_[number] >= 0) {
@@ -359,11 +358,11 @@ double SemiseparableSystem::eliminate(int number, const double *p, const double 
     }
   }
   for (int i = 0; i < R; ++i) {
-    const double factor = m[i] / pivot;
+    const double factor = m[i] * inverse;
     for (int j = 0; j < R; ++j)
       W[i][j] += factor * l[j];
   }
-  return pivot;
+  return inverse;
 }
 
 // LU without exchanges.
@@ -371,10 +370,9 @@ template <int R> bool SemiseparableSystem::eliminateAll() {
   double W[R][R] = {};
   for (std::size_t place = 0; place < order_.size(); ++place) {
     const std::size_t at = place * R;
-    const double pivot = eliminate<R>(order_[place], &row_[at], &column_[at], W, &left_[at], &right_[at]);
-    if (pivot == 0)
+    inverse_[place] = eliminate<R>(order_[place], &row_[at], &column_[at], W, &left_[at], &right_[at]);
+    if (inverse_[place] == 0)
       return false;
-    inverse_[place] = 1 / pivot;
   }
   return true;
 }
@@ -454,9 +452,9 @@ double SemiseparableSystem::findResidual(const double *force, const double *bias
   return std::max(largest > 0 ? largest / size : 0, rowError);
 }
 
-bool SemiseparableSystem::solve(const double *force, const double *bias, double *acceleration, double *forces) {
+bool SemiseparableSystem::solve(const double *force, const double *bias, double *acceleration, double *forces, double accuracy) {
   constexpr double converging = 1e-7;  // what is left of such a residual by one more correction is rounding
-  constexpr double rounding = 2e-15, credible = 1e-10;
+  constexpr double credible = 1e-10;
   constexpr int mostCorrections = 3;
   const std::size_t unknowns = unknowns_.size(), count = static_cast<std::size_t>(size_) + unknowns;
   residual_.resize(count);
@@ -477,7 +475,7 @@ bool SemiseparableSystem::solve(const double *force, const double *bias, double 
     if (correction > 0 && error <= converging)
       return true;
     error = findResidual(force, bias, acceleration, forces);
-    if (error <= rounding)
+    if (error <= accuracy)
       return true;
     if (!(error < (isKnown_ ? credible : 1)))
       return false;
@@ -493,7 +491,7 @@ template <int R> SemiseparableSystem::Determinant SemiseparableSystem::determina
     if (order_[place] >= size_)
       continue;
     const double *row = row_.data() + place * R;
-    determinant.multiply(1 / eliminate<R>(order_[place], row, row, W, m, l));
+    determinant.multiply(eliminate<R>(order_[place], row, row, W, m, l));
   }
   return determinant;
 }

@@ -24,6 +24,10 @@ namespace tf::runtime {
 class SemiseparableSystem {
 public:
   static constexpr int mostVectors = 6;
+  static constexpr double rounding = 2e-15;
+
+  // Unknown forces are refused of whose rows less than `dependence` is left by those before, in the metric of M⁻¹.
+  explicit SemiseparableSystem(double dependence = 1e-12) : dependence_(dependence) {}
 
   // A row of J [n] with its last entry that may differ from zero before `end`.
   struct Row {
@@ -44,8 +48,9 @@ public:
   // is not checked here, it shows in what solve() leaves. False: see there.
   bool refactorise(const double *mass, std::span<const Row> rows);
   // `acceleration` [size] and `forces` [unknowns] for f = `force` [size] and c = `bias` [unknowns], in the units of the model. False: not
-  // to the accuracy of the numbers; after refactorise(), that the vectors have to be found anew.
-  bool solve(const double *force, const double *bias, double *acceleration, double *forces);
+  // to the accuracy of the numbers; after refactorise(), that the vectors have to be found anew. Residuals up to `accuracy`, relative to
+  // what they are made of, are left.
+  bool solve(const double *force, const double *bias, double *acceleration, double *forces, double accuracy = rounding);
 
   // Number of vectors.
   [[nodiscard]] int vectorCount() const { return count_; }
@@ -86,6 +91,7 @@ private:
   // The vectors are slots of this number, those not in use zero.
   [[nodiscard]] double *reduced(int k) { return reduced_.data() + static_cast<std::ptrdiff_t>(k) * stride_; }
 
+  double dependence_;
   const double *mass_ = nullptr;
   int size_ = 0, stride_ = 0, count_ = 0;
   std::span<const Row> rows_;

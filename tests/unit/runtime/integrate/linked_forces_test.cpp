@@ -4,6 +4,7 @@
 #include "runtime/model/input_signals.h"
 #include "tests/unit/runtime/integrate/chain_of_rods.h"
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -219,6 +220,58 @@ TEST(LinkedForces, NoticeThatEqualRowsDiffer) {
   chain.at.contactTerms(chain.mask.data());
   std::vector<double> acceleration(velocities);
   EXPECT_FALSE(chain.linked.evaluate(chain.at, chain.system.rows, chain.system.problem, acceleration.data(), chain.forces));
+}
+
+// The shortest motion, in the metric of M, that removes the residuals of the normal rows, or of all: of equal rows these are equal.
+TEST(LinkedForces, CorrectWhatRowsAreOffBy) {
+  constexpr int lying = 20;
+  OnFloor chain(lying, 0.9);
+  chain.expectSame();
+  for (const double angle : {0.0, 0.3}) {
+    chain.turn(lying, angle);
+    ASSERT_TRUE(chain.evaluateDense());
+    chain.expectEvaluated();
+    const RowMajor M = chainAt(chain.state.data()).mass();
+    for (const bool all : {false, true}) {
+      std::vector<std::uint8_t> takesPart(2 * lying, 1);
+      std::vector<double> residual(2 * lying), change(velocities, 0.0);
+      for (int row = 0; row < 2 * lying; ++row) {
+        takesPart[row] = all || row < lying;
+        residual[row] = row < lying ? 1e-5 * std::sin(3 * row) : 2e-5;
+      }
+      chain.linked.beginCorrections();
+      ASSERT_TRUE(chain.linked.correct(chain.at, takesPart, residual.data(), change.data()));
+      // Slips of nodes that lie are one.
+      const int rows = lying + (all ? 1 : 0);
+      Eigen::MatrixXd J(rows, velocities);
+      Eigen::VectorXd right(rows);
+      for (int row = 0; row < rows; ++row) {
+        J.row(row) = Eigen::Map<const Eigen::RowVectorXd>(chain.system.rows.jacobian(row), velocities);
+        right[row] = residual[row];
+      }
+      const Eigen::MatrixXd response = M.ldlt().solve(J.transpose().eval());
+      const Eigen::VectorXd expected = response * (J * response).ldlt().solve(right);
+      for (int i = 0; i < velocities; ++i)
+        EXPECT_NEAR(change[i], expected[i], 1e-9 * expected.lpNorm<Eigen::Infinity>()) << i;
+    }
+  }
+}
+
+// Rows of which some follow from others, if not as equal ones, are left to others.
+TEST(LinkedForces, DoNotCorrectDependentRows) {
+  constexpr int lying = 20;
+  OnFloor chain(lying, 0.9);
+  chain.expectSame();
+  chain.state[velocities - 1] = 1e-8;
+  chain.at.setPoint(0, chain.state.data());
+  EXPECT_TRUE(chain.at.dynamics());
+  chain.at.contactTerms(chain.mask.data());
+  std::vector<double> acceleration(velocities), change(velocities, 0.0);
+  EXPECT_FALSE(chain.linked.evaluate(chain.at, chain.system.rows, chain.system.problem, acceleration.data(), chain.forces));
+  chain.linked.beginCorrections();
+  const std::vector<double> residual(2 * lying, 1e-6);
+  EXPECT_FALSE(chain.linked.correct(chain.at, std::vector<std::uint8_t>(2 * lying, 1), residual.data(), change.data()));
+  EXPECT_EQ(change, std::vector<double>(velocities, 0.0));
 }
 
 // A small system is left to the dense equations, whose loops are simple.
