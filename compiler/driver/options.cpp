@@ -164,6 +164,8 @@ struct RunSyntax : Syntax {
     option("--fixed-step", fixedStep, "H", "step integrator without error control");
     option("--events", events, "both|after", "rows of the result at an event: before and after it, or after it [both]");
     option("-o,--output", output, "FILE", "result: .csv or .json");
+    option("--variables", variables, "NAME",
+           "variables of the result, by names in which * and ? stand for any characters (repeatable) [all]");
     option(
         "--sensitivity", sensitivities, "NAME",
         "derivatives of coordinates, velocities, states and outputs by a parameter, start or input as columns of the result (repeatable)");
@@ -176,7 +178,7 @@ struct RunSyntax : Syntax {
     app->add_flag("--no-cache", noCache, "neither use nor store compiled code")->disable_flag_override();
   }
 
-  Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog,
+  Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog, variables,
       sensitivities;
   bool quiet = false, verbose = false, noCache = false, checkInvariants = false;
 
@@ -199,6 +201,7 @@ struct RunSyntax : Syntax {
     options.noCache = noCache;
     options.checkInvariants = checkInvariants;
     options.sensitivities = sensitivities;
+    options.variables = variables;
     checkCombinations(options, diagnostics);
   }
 

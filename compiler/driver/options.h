@@ -44,6 +44,7 @@ struct RunOptions : ModelOptions {
   bool quiet = false, verbose = false, noCache = false;
   bool checkInvariants = false;
   std::vector<std::string> sensitivities;  // --sensitivity, as written
+  std::vector<std::string> variables;      // --variables, patterns as written
 };
 
 enum class Command : std::uint8_t { Nothing, Check, Compile, Run };

@@ -1,5 +1,7 @@
 #include "compiler/driver/result_rows.h"
 
+#include "compiler/driver/selected_variables.h"
+
 #include <cstring>
 #include <fmt/format.h>
 #include <limits>
@@ -29,8 +31,8 @@ Outcome<std::unique_ptr<ResultRows>> ResultRows::create(tf_simulation *simulatio
   std::unique_ptr<ResultRows> rows(new ResultRows(simulation, options));
   const tf_model &model = *tf_get_model(simulation);
   if (!options.output.empty()) {
-    std::vector<runtime::ResultColumn> columns = runtime::visibleColumns(model);
-    rows->addSensitivityColumns(options.sensitivities, columns);
+    std::vector<runtime::ResultColumn> columns = selectedColumns(model, options.variables);
+    rows->addSensitivityColumns(options, columns);
     auto writer = runtime::ResultWriter::create(options.output, model, std::move(columns));
     if (!writer)
       return Failure{writer.error()};
@@ -45,17 +47,15 @@ Outcome<std::unique_ptr<ResultRows>> ResultRows::create(tf_simulation *simulatio
   return rows;
 }
 
-// Of every coordinate, velocity, state and output by each of the names, behind the variables of a row.
-void ResultRows::addSensitivityColumns(const std::vector<std::string> &names, std::vector<runtime::ResultColumn> &columns) {
+// Of the selected coordinates, velocities, states and outputs by each of the names, behind the variables of a row.
+void ResultRows::addSensitivityColumns(const RunOptions &options, std::vector<runtime::ResultColumn> &columns) {
+  const std::vector<std::string> &names = options.sensitivities;
   const tf_model &model = *tf_get_model(simulation_);
   sensitivityCount_ = names.size();
   derivatives_.resize(row_.size());
-  for (std::int32_t i = 0; i < model.variable_count && !names.empty(); ++i) {
-    const std::int32_t kind = model.variables[i].kind;
-    const bool isWanted = kind == TF_KIND_COORDINATE || kind == TF_KIND_VELOCITY || kind == TF_KIND_STATE || kind == TF_KIND_OUTPUT;
-    if (isWanted && (model.variables[i].flags & TF_PROTECTED) == 0)
-      differentiated_.push_back(i);
-  }
+  for (const runtime::ResultColumn &column : columns)
+    if (!names.empty() && isDifferentiated(model, column))
+      differentiated_.push_back(column.variable);
   for (const std::string &name : names)
     for (const std::int32_t variable : differentiated_)
       sensitivityNames_.push_back(fmt::format("d({})/d({})", model.variables[variable].name, name));

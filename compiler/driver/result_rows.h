@@ -49,7 +49,7 @@ public:
 private:
   ResultRows(tf_simulation *simulation, const RunOptions &options);
 
-  void addSensitivityColumns(const std::vector<std::string> &names, std::vector<runtime::ResultColumn> &columns);
+  void addSensitivityColumns(const RunOptions &options, std::vector<runtime::ResultColumn> &columns);
   void readPoint(std::vector<double> &row, bool before);
   void write(const std::vector<double> &row);
   void keep(const runtime::Outcome<void> &outcome);

@@ -2,6 +2,7 @@
 #include "compiler/driver/diagnostics.h"
 #include "compiler/driver/input_settings.h"
 #include "compiler/driver/invariant_report.h"
+#include "compiler/driver/selected_variables.h"
 #include "compiler/driver/summary.h"
 
 #include <algorithm>
@@ -90,6 +91,28 @@ void setSensitivities(tf_simulation *simulation, const std::vector<std::string> 
   for (const std::string &name : names)
     texts.push_back(name.c_str());
   tf_set_sensitivities(simulation, texts.data(), texts.size());
+}
+
+// Each pattern is to select something, and sensitivities something that they are of.
+void checkVariables(const tf_model &model, const RunOptions &options, Session &session) {
+  if (options.variables.empty())
+    return;
+  std::vector<std::string> names;
+  bool anyDifferentiated = false;
+  for (const runtime::ResultColumn &column : runtime::visibleColumns(model)) {
+    names.emplace_back(column.name);
+    anyDifferentiated = anyDifferentiated || (isDifferentiated(model, column) && isSelected(options.variables, column.name));
+  }
+  bool anyUnknown = false;
+  for (const std::string &pattern : options.variables) {
+    if (std::any_of(names.begin(), names.end(), [&](const std::string &name) { return matches(pattern, name); }))
+      continue;
+    anyUnknown = true;
+    session.diagnostics.report(diag::NothingSelected, {}, pattern, model.name).suggest(pattern, names);
+  }
+  if (!options.sensitivities.empty() && !anyDifferentiated && !anyUnknown)
+    session.diagnostics.report(diag::OptionNeedsOption, {}, "--sensitivity",
+                               "where --variables selects no coordinate, velocity, state or output: derivatives are theirs");
 }
 
 class Run {
@@ -186,6 +209,7 @@ int runCommand(const RunOptions &options, Session &session) {
   for (const std::string &name : options.sensitivities)
     if (const char *text = name.c_str(); tf_set_sensitivities(prepared->simulation.get(), &text, 1) != TF_OK)
       session.diagnostics.report(diag::NoSensitivity, {}, name, tf_error_text(prepared->simulation.get()));
+  checkVariables(model, options, session);
   if (session.diagnostics.hasErrors())
     return session.exitCode();
   setSensitivities(prepared->simulation.get(), options.sensitivities);
@@ -203,7 +227,7 @@ int runCommand(const RunOptions &options, Session &session) {
   if (options.checkInvariants && run.hasStarted())
     reportInvariants(prepared->simulation.get(), toleranceOf(options, model), session);
   if (isDone && options.output.empty())
-    printOut(finalValues(prepared->simulation.get()), session);
+    printOut(finalValues(prepared->simulation.get(), options.variables), session);
   return session.exitCode();
 }
 

@@ -1,4 +1,6 @@
 #include "compiler/driver/summary.h"
+
+#include "compiler/driver/selected_variables.h"
 #include "compiler/driver/session.h"
 
 #include <cstdio>
@@ -115,17 +117,19 @@ std::string summary(const SummaryInput &input, const ResultRows &rows) {
   return text;
 }
 
-std::string finalValues(tf_simulation *simulation) {
+std::string finalValues(tf_simulation *simulation, const std::vector<std::string> &patterns) {
   const tf_model &model = *tf_get_model(simulation);
   std::string text;
-  for (std::int32_t i = 0; i < model.variable_count; ++i) {
-    const tf_variable &variable = model.variables[i];
+  for (const runtime::ResultColumn &column : selectedColumns(model, patterns)) {
+    const tf_variable &variable = model.variables[column.variable];
     const bool isState = variable.kind == TF_KIND_TIME || variable.kind == TF_KIND_COORDINATE || variable.kind == TF_KIND_VELOCITY ||
                          variable.kind == TF_KIND_STATE;
-    if ((!isState && (variable.flags & TF_OUTPUT) == 0) || (variable.flags & TF_PROTECTED) != 0)
+    const bool isOwnName = column.name == variable.name;
+    if (patterns.empty() && (!isOwnName || (!isState && (variable.flags & TF_OUTPUT) == 0)))
       continue;
     const bool hasUnit = variable.unit[0] != '\0' && std::string_view(variable.unit) != "1";
-    text += fmt::format("{} = {}{}{}\n", variable.name, number(tf_get(simulation, i)), hasUnit ? " " : "", hasUnit ? variable.unit : "");
+    text += fmt::format("{} = {}{}{}\n", column.name, number(column.sign * tf_get(simulation, column.variable)), hasUnit ? " " : "",
+                        hasUnit ? variable.unit : "");
   }
   return text;
 }

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <string>
+#include <vector>
 
 namespace tf::driver {
 
@@ -43,7 +44,7 @@ struct SummaryInput {
 
 [[nodiscard]] std::string summary(const SummaryInput &input, const ResultRows &rows);
 
-// "name = value unit" for time, coordinates, velocities, states and outputs.
-[[nodiscard]] std::string finalValues(tf_simulation *simulation);
+// "name = value unit" for time and what the patterns of --variables select; without any for coordinates, velocities, states and outputs.
+[[nodiscard]] std::string finalValues(tf_simulation *simulation, const std::vector<std::string> &patterns);
 
 }  // namespace tf::driver

@@ -90,6 +90,33 @@ TEST_F(RunCommand, WritesTheSameToCsvAndJson) {
   EXPECT_NE(text.find(rows.text(rows.rowCount() - 1, "tau")), std::string::npos);
 }
 
+TEST_F(RunCommand, WritesTheVariablesThatAreChosen) {
+  const std::vector<std::string> arguments = {"--stop-time", "1", "--variables", "der(q[?])", "--variables", "floor.*Force",
+                                              "--variables", "m"};
+  std::vector<std::string> withFile = arguments;
+  withFile.insert(withFile.end(), {"-o", "out.csv", "--sensitivity", "mu"});
+  ASSERT_EQ(run(withFile).exitCode, 0);
+  const std::string text = readFile(folder.path() / "out.csv");
+  EXPECT_EQ(text.substr(0, text.find('\r')),
+            "time,der(q[1]),der(q[2]),floor.normalForce,floor.frictionForce,m,d(der(q[1]))/d(mu),d(der(q[2]))/d(mu)");
+  const ProcessResult printed = run(arguments);
+  EXPECT_EQ(printed.exitCode, 0);
+  EXPECT_EQ(printed.out.find("time = 1 s\nder(q[1]) = "), 0U);
+  EXPECT_THAT(printed.out, HasSubstr("\nfloor.normalForce = "));
+  EXPECT_THAT(printed.out, Not(HasSubstr("\nq[1]")));
+}
+
+// The same numbers as in a result of all variables.
+TEST_F(RunCommand, ChoosesVariablesWithoutEffectOnThem) {
+  ASSERT_EQ(run({"-o", "all.csv"}).exitCode, 0);
+  ASSERT_EQ(run({"-o", "some.csv", "--variables", "*q[2]*"}).exitCode, 0);
+  const ResultTable all = table("all.csv"), some = table("some.csv");
+  ASSERT_EQ(some.rowCount(), all.rowCount());
+  for (std::size_t row = 0; row < all.rowCount(); ++row)
+    for (const char *name : {"time", "q[2]", "der(q[2])", "der(der(q[2]))"})
+      ASSERT_EQ(some.text(row, name), all.text(row, name)) << row << " " << name;
+}
+
 TEST_F(RunCommand, PrintsFinalValuesWithoutAResultFile) {
   const ProcessResult result = run({"--stop-time", "1", "--quiet"});
   EXPECT_EQ(result.exitCode, 0);
