@@ -39,6 +39,9 @@ simulate bouncing_ball bouncing_ball.tf --interval 0.005
 simulate superball superball.tf --stop-time 2 --interval 0.002
 simulate rocking_block rocking_block.tf --interval 0.005
 draw impacts
+simulate slow_wheel rimless_wheel.tf --interval 0.01
+simulate fast_wheel rimless_wheel.tf --set w=3 --interval 0.01
+draw rimless_wheel
 simulate painleve_rod painleve_rod.tf --interval 0.001
 draw painleve
 simulate newtons_cradle newtons_cradle.tf --interval 0.002

@@ -87,6 +87,30 @@ Reference rockingBlockReference() {
   return reference;
 }
 
+// On a spoke the wheel is a pendulum on its head. Over the next foot the speed of the hub is turned by the angle between two spokes; its
+// part across the new spoke stays.
+Reference rimlessWheelReference() {
+  const Number l = 0.5L, m = 2, J = 0.1L, slope = 0.12L, half = kPi / 8, about = J + m * l * l;
+  const Number share = (J + m * l * l * std::cos(2 * half)) / about;
+  int steps = 0;
+  Reference reference{.variables = kBody};
+  const auto record = [&](Number t, const State<2> &y) {
+    const Number across = l * std::cos(y[0]), along = l * std::sin(y[0]);
+    reference.add(t, 2 * steps * l * std::sin(half) + along, across, y[0] + 2 * steps * half, across * y[1], -along * y[1], y[1]);
+  };
+  Recorder<2, decltype(record)> run(uniformTimes(6, 60), record);
+  run.state = {0, 0.8L};
+  const auto rhs = [&](Number, const State<2> &y) { return State<2>{y[1], m * g * l * std::sin(y[0] + slope) / about}; };
+  const auto stop = [&](Number, const State<2> &y) { return half - y[0]; };
+  while (run.advance(rhs, stop)) {
+    reference.addEvent(run.time, TF_EVENT_IMPACT);
+    reference.addEvent(run.time, TF_EVENT_OPENING);
+    run.state = {-half, share * run.state[1]};
+    ++steps;
+  }
+  return reference;
+}
+
 Reference pendulumWallReference() {
   const Number d = 0.05L, wall = -0.3L, angle = std::asin(wall);
   const auto torque = [&](Number t, Number phi, Number w) { return -g * std::sin(phi) - d * w + 4 * std::sin(2 * t) * std::cos(phi); };

@@ -30,6 +30,7 @@ namespace tf::test {
 [[nodiscard]] Reference fallingBoxReference();
 [[nodiscard]] Reference painleveRodReference();
 [[nodiscard]] Reference rockingBlockReference();
+[[nodiscard]] Reference rimlessWheelReference();
 [[nodiscard]] Reference pendulumWallReference();
 [[nodiscard]] Reference newtonsCradleReference();
 [[nodiscard]] Reference chainReference();

@@ -40,6 +40,7 @@ std::vector<SweepCase> cases() {
       {"falling_box", "falling_box.tf", fallingBoxReference},
       {"painleve_rod", "painleve_rod.tf", painleveRodReference, {{"der(r[1])", -10}, {"der(r[2])", 0}, {"der(phi)", 0}}},
       {"rocking_block", "rocking_block.tf", rockingBlockReference, {}, {}, {"tilt"}},
+      {"rimless_wheel", "rimless_wheel.tf", rimlessWheelReference, {}, {}, {"w"}},
       {"pendulum_wall", "pendulum_wall.tf", pendulumWallReference},
       {"newtons_cradle", "newtons_cradle.tf", newtonsCradleReference},
       {"chain", "chain.tf", chainReference},
