@@ -1,5 +1,5 @@
 // Holonomic and velocity constraints against closed forms and against the same mechanisms in minimal coordinates.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 // What holds of a model with every integrator.
 #pragma once
 
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <functional>
 #include <gtest/gtest.h>

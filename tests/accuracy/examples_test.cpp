@@ -1,6 +1,6 @@
 // Every example against its closed form or an independent reference solution.
-#include "tests/accuracy/compiled_model.h"
-#include "tests/accuracy/dry_friction_reference.h"
+#include "tests/accuracy/support/compiled_model.h"
+#include "tests/accuracy/support/dry_friction_reference.h"
 
 #include <cmath>
 #include <functional>

@@ -1,5 +1,5 @@
 // Polyhedral friction of slips of two components: against the exact solution of the polygon's law, and its convergence to Coulomb's disk.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 #include "tests/accuracy/tumbling_box.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // Gaps, slips, conditions and forces that just reach zero inside a long step, or just do not: neither is missed or invented.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
 #include <fmt/format.h>

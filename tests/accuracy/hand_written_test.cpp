@@ -1,5 +1,5 @@
 // The hand-written programs that the benchmarks compare with solve the problems that they claim to solve.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 #include "tests/benchmarks/hand_written/planar_body.h"
 #include "tests/benchmarks/hand_written/slip_stick.h"
 

@@ -1,6 +1,6 @@
 // Examples with restitution and infinitely many impacts (Zeno) against closed forms and independent references.
-#include "tests/accuracy/compiled_model.h"
 #include "tests/accuracy/pushed_table.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <array>

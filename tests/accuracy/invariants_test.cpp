@@ -1,5 +1,5 @@
 // What holds in every run: no penetration, no pulling contact, friction inside its cone, no energy out of nothing.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>

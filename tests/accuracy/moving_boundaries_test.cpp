@@ -1,5 +1,5 @@
 // Boundaries whose motion switches with time: gaps, slips and constraints have the side that time goes to, from the start on.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>

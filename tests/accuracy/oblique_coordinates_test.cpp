@@ -1,7 +1,7 @@
 // The mass matrix of oblique coordinates is constant, but not diagonal: a rod that falls, slides and tips over moves as in those of its
 // own.
-#include "tests/accuracy/compiled_model.h"
 #include "tests/accuracy/each_integrator.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <gtest/gtest.h>
 #include <string>

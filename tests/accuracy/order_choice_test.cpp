@@ -1,5 +1,5 @@
 // The order of explicit steps: high where the error ends them, low where outputs or events do.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Order of the Step integrator across switches: fixed-step runs of a stick-slip oscillator without closed form (examples/duffing.tf). Radau
 // IIA with s stages has order 2s - 1 in the state and, because a switch is solved for together with the state, in the switch times too.
-#include "tests/accuracy/compiled_model.h"
-#include "tests/accuracy/dry_friction_reference.h"
+#include "tests/accuracy/support/compiled_model.h"
+#include "tests/accuracy/support/dry_friction_reference.h"
 
 #include <cmath>
 #include <cstdlib>

@@ -1,5 +1,5 @@
 // Painlevé's paradox and the indeterminacy beside it against closed forms and independent references.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <array>
 #include <cmath>

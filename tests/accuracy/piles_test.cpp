@@ -1,6 +1,6 @@
 // Piles: many bodies with restitution and friction fall between walls, with accumulations of impacts of many contacts at once and with
 // redundant contacts, and come to rest. At rest the walls carry the weight.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>

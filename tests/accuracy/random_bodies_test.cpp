@@ -1,7 +1,7 @@
 // Boxes of random size, friction and motion against the reference solver that tries all modes: impacts with reversal and stick, rocking,
 // tipping, redundant rest.
-#include "tests/accuracy/compiled_model.h"
-#include "tests/accuracy/planar_reference.h"
+#include "tests/accuracy/support/compiled_model.h"
+#include "tests/accuracy/support/planar_reference.h"
 
 #include <array>
 #include <cmath>

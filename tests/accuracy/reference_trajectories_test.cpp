@@ -1,5 +1,5 @@
 // The reference trajectories of tests/accuracy/reference over their whole grids and at their events, by every integrator.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Relaxed friction of slips of two components, c3 = ‖slip‖ − slipRadius: against closed forms of its law (outside of the disk, inside and
 // on its edge), and its convergence to Coulomb's exact law.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 #include "tests/accuracy/tumbling_box.h"
 
 #include <algorithm>

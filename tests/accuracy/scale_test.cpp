@@ -1,5 +1,5 @@
 // Many bodies and contacts: chains of different lengths, bodies apart in one model.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>

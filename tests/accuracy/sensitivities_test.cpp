@@ -1,7 +1,7 @@
 // Sensitivities across impacts, stick and slip: against closed forms, and against differences of whole runs.
-#include "tests/accuracy/compiled_model.h"
 #include "tests/accuracy/each_integrator.h"
 #include "tests/accuracy/pushed_table.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
 #include <functional>

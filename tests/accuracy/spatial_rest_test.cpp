@@ -1,5 +1,5 @@
 // Bounces with friction in two directions that accumulate into rest (theory.md section 3, Zeno, with section 4).
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <array>

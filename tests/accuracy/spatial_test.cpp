@@ -1,5 +1,5 @@
 // Rotations and constraints in whole runs: closed forms, and the same mechanism in other coordinates.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // The quantities of theory.md section 2 in results: speed of time, numerical time of jumps, multipliers; independence of the rates.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
 #include <fstream>

@@ -1,7 +1,7 @@
 // A box in space with a contact on each corner, for the forms of friction in two directions.
 #pragma once
 
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <string>
 

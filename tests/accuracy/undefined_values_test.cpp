@@ -1,5 +1,5 @@
 // Gaps, slips, friction and masses that are no numbers end the run with their name and place: nothing goes on through them.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
 // Free flight with constant accelerations and rest that nothing can end are followed in closed form: exact over any time, and without
 // evaluations of the model on the way.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 // A floor that falls away: at the instant at which its acceleration is that of gravity all contact forces of what lies on it vanish
 // together, and nothing but their derivatives tells that all contacts open then.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <gtest/gtest.h>
 #include <string>

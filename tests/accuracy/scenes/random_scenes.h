@@ -2,7 +2,7 @@
 // boxes and spheres in space. A seed is a scene: the same on every machine.
 #pragma once
 
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <cstdint>
 #include <string>

@@ -1,5 +1,5 @@
 // Rigid bodies in the plane: event-driven in long double.
-#include "tests/accuracy/planar_reference.h"
+#include "tests/accuracy/support/planar_reference.h"
 #include "tests/accuracy/tolerances/references.h"
 
 #include <Eigen/Dense>

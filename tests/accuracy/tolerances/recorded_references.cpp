@@ -1,5 +1,5 @@
 // Trajectories of tests/accuracy/reference, computed elsewhere with errors below 1e-9.
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 #include "tests/accuracy/tolerances/references.h"
 
 namespace tf::test {

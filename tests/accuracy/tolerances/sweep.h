@@ -2,7 +2,7 @@
 // to max(1, |x|), and of event times are at most 10·tolerance·max(1, κ), κ the norm of the sensitivity with the jumps at events.
 #pragma once
 
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 #include "tests/accuracy/tolerances/reference.h"
 
 #include <functional>

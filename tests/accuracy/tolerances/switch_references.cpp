@@ -1,5 +1,5 @@
 // Relays and dry friction.
-#include "tests/accuracy/dry_friction_reference.h"
+#include "tests/accuracy/support/dry_friction_reference.h"
 #include "tests/accuracy/tolerances/references.h"
 
 #include <cmath>

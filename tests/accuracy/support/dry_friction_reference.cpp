@@ -1,4 +1,4 @@
-#include "tests/accuracy/dry_friction_reference.h"
+#include "tests/accuracy/support/dry_friction_reference.h"
 
 #include <cmath>
 

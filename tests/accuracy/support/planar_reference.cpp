@@ -1,4 +1,4 @@
-#include "tests/accuracy/planar_reference.h"
+#include "tests/accuracy/support/planar_reference.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "tests/accuracy/compiled_model.h"
+#include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
 #include <cmath>
