@@ -26,16 +26,18 @@ function(tf_compile_together target)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${TF_UNITY} UNITY_BUILD_BATCH_SIZE 6)
 endfunction()
 
-# tf_quick_test_build(PROGRAM): its sources take over the headers of tests/support, and are optimised as far as it costs no time.
-function(tf_quick_test_build program)
-  target_compile_options(${program} PRIVATE ${TF_TEST_OPTIONS})
-  target_precompile_headers(${program} REUSE_FROM tf_test_headers)
-endfunction()
 set(TF_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)
 if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   # g++ takes a header that is precompiled for one of the project, and has false positives inside std::string.
   list(APPEND TF_TEST_OPTIONS -Wno-array-bounds -Wno-stringop-overflow)
 endif()
+
+# tf_quick_test_build(PROGRAM): its sources take over the headers of tests/support, and are optimised little: to build them takes longer than to
+# run them.
+function(tf_quick_test_build program)
+  target_compile_options(${program} PRIVATE ${TF_TEST_OPTIONS})
+  target_precompile_headers(${program} REUSE_FROM tf_test_headers)
+endfunction()
 
 function(tf_folder name)
   cmake_parse_arguments(ARG "SHARED" "" "DEPENDS" ${ARGN})

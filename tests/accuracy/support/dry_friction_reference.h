@@ -2,7 +2,7 @@
 // the slip v - belt(t). Event-driven in long double.
 #pragma once
 
-#include "tests/accuracy/gauss_reference.h"
+#include "tests/accuracy/support/gauss_reference.h"
 
 #include <functional>
 #include <vector>

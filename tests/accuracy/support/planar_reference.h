@@ -1,7 +1,7 @@
 // Reference solution of a rigid body in the plane whose corners touch a rough floor (restitution 0).
 #pragma once
 
-#include "tests/accuracy/contact_reference.h"
+#include "tests/accuracy/support/contact_reference.h"
 
 #include <vector>
 

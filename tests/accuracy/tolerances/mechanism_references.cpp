@@ -1,5 +1,5 @@
 // Mechanisms with planar contacts: every mode tried after every event (ContactReference), and closed forms.
-#include "tests/accuracy/contact_reference.h"
+#include "tests/accuracy/support/contact_reference.h"
 #include "tests/accuracy/tolerances/references.h"
 
 #include <cmath>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "runtime/tf.h"
-#include "tests/accuracy/gauss_reference.h"
+#include "tests/accuracy/support/gauss_reference.h"
 
 #include <limits>
 #include <string>

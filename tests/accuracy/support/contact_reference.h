@@ -16,7 +16,7 @@
 // with y = (q, v) of type State<2 * size>, Eigen's matrices of Number.
 #pragma once
 
-#include "tests/accuracy/gauss_reference.h"
+#include "tests/accuracy/support/gauss_reference.h"
 
 #include <Eigen/Dense>
 #include <algorithm>
