@@ -7,6 +7,7 @@
 #include <llvm/IR/Module.h>
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,13 +15,45 @@ namespace tf::codegen {
 
 namespace {
 
-// Numbers of a run in the table; `Lane` is that of its colour.
-enum RunField : unsigned { First, Lane, Count, Buffer, Position, Stride, Group, runFields };
+// Numbers of a run in the table; `Lane` is that of its colour. It stands for those of the next lanes as well, `Lanes` in all, whose places
+// follow one another.
+enum RunField : unsigned { First, Lane, Count, Buffer, Position, Stride, Group, Lanes, runFields };
 
 // Seeds and runs of all passes; pass k has those from begin[k] to begin[k + 1]. A seed is an index into the frame as an array of numbers.
 struct Tables {
   std::vector<std::int32_t> seeds, seedBegin{0}, runs, runBegin{0}, resultGroups;
 };
+
+// How many colours from the first one on have at place `index` the same run, one place further each.
+std::size_t lanesOf(std::span<const ir::Sweep::Colour> colours, std::size_t index) {
+  const ir::Sweep::Run &first = colours.front().runs[index];
+  const auto continues = [&](std::size_t lane) {
+    ir::Sweep::Run expected = first;
+    expected.position += static_cast<int>(lane);
+    return index < colours[lane].runs.size() && colours[lane].runs[index] == expected;
+  };
+  std::size_t lanes = 1;
+  while (lanes < colours.size() && continues(lanes))
+    ++lanes;
+  return lanes;
+}
+
+// The runs of the colours of one pass.
+void addRuns(std::span<const ir::Sweep::Colour> colours, std::vector<std::int32_t> &runs) {
+  std::vector<std::size_t> covered;  // lanes that runs of lanes before stand for, by place
+  for (std::size_t lane = 0; lane < colours.size(); ++lane) {
+    covered.resize(std::max(covered.size(), colours[lane].runs.size()), 0);
+    for (std::size_t index = 0; index < colours[lane].runs.size(); ++index) {
+      if (lane < covered[index])
+        continue;
+      const ir::Sweep::Run &run = colours[lane].runs[index];
+      const std::size_t lanes = lanesOf(colours.subspan(lane), index);
+      covered[index] = lane + lanes;
+      runs.insert(runs.end(), {run.first, static_cast<std::int32_t>(lane), run.count, run.buffer, run.position, run.stride, run.group,
+                               static_cast<std::int32_t>(lanes)});
+    }
+  }
+}
 
 Tables tabulate(const ir::Sweep &sweep) {
   Tables tables;
@@ -30,9 +63,8 @@ Tables tabulate(const ir::Sweep &sweep) {
       const auto lane = static_cast<std::int32_t>(c - first);
       for (const int seed : sweep.colours[c].seeds)
         tables.seeds.push_back(seed * static_cast<std::int32_t>(sweepLanes) + lane);
-      for (const ir::Sweep::Run &run : sweep.colours[c].runs)
-        tables.runs.insert(tables.runs.end(), {run.first, lane, run.count, run.buffer, run.position, run.stride, run.group});
     }
+    addRuns(std::span(sweep.colours).subspan(first, last - first), tables.runs);
     tables.seedBegin.push_back(static_cast<std::int32_t>(tables.seeds.size()));
     tables.runBegin.push_back(static_cast<std::int32_t>(tables.runs.size() / runFields));
   }
@@ -117,14 +149,34 @@ llvm::Function *isNeeded(llvm::Module &module) {
   return function;
 }
 
-// void (ptr results, ptr runs, i32 begin, i32 end, ptr out, ptr mask, ptr resultGroups)
-llvm::Function *storeRuns(llvm::Module &module) {
-  if (llvm::Function *known = module.getFunction("sweep.store"))
+// One result of a run: its vector, or some lanes of it.
+void storeResult(llvm::IRBuilder<> &builder, llvm::Value *from, llvm::Value *to, llvm::Value *lanes) {
+  llvm::Type *number = builder.getDoubleTy(), *row = llvm::FixedVectorType::get(number, sweepLanes);
+  llvm::Function *function = builder.GetInsertBlock()->getParent();
+  llvm::BasicBlock *whole = llvm::BasicBlock::Create(builder.getContext(), "whole", function);
+  llvm::BasicBlock *part = llvm::BasicBlock::Create(builder.getContext(), "part", function);
+  llvm::BasicBlock *stored = llvm::BasicBlock::Create(builder.getContext(), "stored", function);
+  builder.CreateCondBr(builder.CreateICmpEQ(lanes, builder.getInt32(sweepLanes)), whole, part);
+  builder.SetInsertPoint(whole);
+  builder.CreateAlignedStore(builder.CreateAlignedLoad(row, from, llvm::Align(alignof(double))), to, llvm::Align(alignof(double)));
+  builder.CreateBr(stored);
+  builder.SetInsertPoint(part);
+  countedLoop(builder, builder.getInt32(0), lanes, [&](llvm::Value *lane) {
+    builder.CreateStore(element(builder, number, from, lane), builder.CreateInBoundsGEP(number, to, lane));
+  });
+  builder.CreateBr(stored);
+  builder.SetInsertPoint(stored);
+}
+
+// void (ptr results, ptr runs, i32 begin, i32 end, ptr out, ptr mask, ptr resultGroups); the last one is read only of sweeps whose results
+// are in groups.
+llvm::Function *storeRuns(llvm::Module &module, bool isGrouped) {
+  const char *name = isGrouped ? "sweep.store.selected" : "sweep.store";
+  if (llvm::Function *known = module.getFunction(name))
     return known;
   llvm::IRBuilder<> builder(module.getContext());
   llvm::Type *pointer = builder.getPtrTy(), *integer = builder.getInt32Ty(), *number = builder.getDoubleTy();
-  llvm::Function *function =
-      helper(module, "sweep.store", builder.getVoidTy(), {pointer, pointer, integer, integer, pointer, pointer, pointer});
+  llvm::Function *function = helper(module, name, builder.getVoidTy(), {pointer, pointer, integer, integer, pointer, pointer, pointer});
   builder.SetInsertPoint(llvm::BasicBlock::Create(module.getContext(), "entry", function));
   llvm::Value *mask = function->getArg(5);
   countedLoop(builder, function->getArg(2), function->getArg(3), [&](llvm::Value *run) {
@@ -135,11 +187,16 @@ llvm::Function *storeRuns(llvm::Module &module) {
       llvm::Value *buffer = element(builder, pointer, function->getArg(4), fields[Buffer]);
       countedLoop(builder, builder.getInt32(0), fields[Count], [&](llvm::Value *k) {
         llvm::Value *result = builder.CreateNSWAdd(fields[First], k);
-        whereSelected(builder, mask, element(builder, integer, function->getArg(6), result), [&] {
+        const auto store = [&] {
           llvm::Value *from = builder.CreateNSWAdd(builder.CreateNSWMul(result, builder.getInt32(sweepLanes)), fields[Lane]);
           llvm::Value *to = builder.CreateNSWAdd(builder.CreateNSWMul(k, fields[Stride]), fields[Position]);
-          builder.CreateStore(element(builder, number, function->getArg(0), from), builder.CreateInBoundsGEP(number, buffer, to));
-        });
+          storeResult(builder, builder.CreateInBoundsGEP(number, function->getArg(0), from), builder.CreateInBoundsGEP(number, buffer, to),
+                      fields[Lanes]);
+        };
+        if (isGrouped)
+          whereSelected(builder, mask, element(builder, integer, function->getArg(6), result), store);
+        else
+          store();
       });
     });
   });
@@ -158,6 +215,7 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
   llvm::Constant *runs = constantTable<std::int32_t>(module, name + ".runs", tables.runs),
                  *runBegin = constantTable<std::int32_t>(module, name + ".runBegin", tables.runBegin);
   llvm::Constant *groups = constantTable<std::int32_t>(module, name + ".resultGroups", tables.resultGroups);
+  const bool isGrouped = std::ranges::any_of(tables.resultGroups, [](std::int32_t group) { return group >= 0; });
   const std::uint64_t rowBytes = sweepLanes * sizeof(double);
   builder.CreateMemSet(context.frame, builder.getInt8(0), static_cast<std::uint64_t>(sweep.seedCount) * rowBytes,
                        llvm::Align(sizeof(double)));
@@ -180,7 +238,7 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
     };
     set(1);
     emitBody();
-    builder.CreateCall(storeRuns(module), {results, runs, firstRun, lastRun, context.outputs, context.mask, groups});
+    builder.CreateCall(storeRuns(module, isGrouped), {results, runs, firstRun, lastRun, context.outputs, context.mask, groups});
     set(0);
     builder.CreateBr(done);
     builder.SetInsertPoint(done);

@@ -108,7 +108,7 @@ template <const auto &table, std::size_t row, std::size_t count> void ExplicitMe
 }
 
 template <const auto &table, std::size_t count, std::size_t... row>
-void ExplicitMethod::makeCoefficients(bool withTable, std::index_sequence<row...> /*rows*/) const {
+void ExplicitMethod::makeCoefficients([[maybe_unused]] bool withTable, std::index_sequence<row...> /*rows*/) const {
   double *c = dense_.data();
   for (int i = 0; i < n_; ++i, c += 3 + sizeof...(row)) {
     const double *k = stages_.data() + i;

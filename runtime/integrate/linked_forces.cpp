@@ -108,33 +108,32 @@ void LinkedForces::findSets(const RowSystem &rows, const ContactRows &problem) {
     if (limited.place >= 0 && problem.friction[limited.row - n] != 0)
       isAlone_[limited.place] = 1;
   sets_.clear();
+  joined_.clear();
   setOf_.resize(active_.size());
   setOfNumber_.assign(rows_.size(), -1);
-  unknowns_.clear();
   for (std::size_t a = 0; a < active_.size(); ++a) {
     int own = -1, *set = isAlone_[a] != 0 ? &own : &setOfNumber_[number_[active_[a]]];
     if (*set < 0) {
       *set = static_cast<int>(sets_.size());
       sets_.push_back({active_[a], 0, -1});
-      unknowns_.push_back(number_[active_[a]]);
     }
     setOf_[a] = *set;
     ++sets_[*set].count;
   }
-  listFrictions(n, problem);
 }
 
+// The friction that unknown forces take along, and the rows that share them.
 void LinkedForces::listFrictions(int normals, const ContactRows &problem) {
   frictions_.clear();
   for (const Limited &limited : limited_)
     if (limited.place >= 0 && isAlone_[limited.place] != 0)
       frictions_.push_back({setOf_[limited.place], number_[limited.row], -limited.sign * problem.friction[limited.row - normals]});
+  for (const Joined &joined : joined_)
+    frictions_.push_back({joined.set, joined.number, static_cast<double>(joined.count) / sets_[joined.set].count});
 }
 
-// One for each set. False: the rows depend on each other otherwise.
+// One for each set, once those without have joined others. False: the rows depend on each other otherwise.
 bool LinkedForces::assignEquations() {
-  if (equations_.size() != sets_.size())
-    return false;
   for (const Limited &limited : limited_)
     if (limited.sticks && setOfNumber_[number_[limited.row]] < 0)
       return false;
@@ -146,7 +145,55 @@ bool LinkedForces::assignEquations() {
       return false;
     sets_[set].equation = row;
   }
+  return joinSets();
+}
+
+// Rows that were equal when the mode began, those of nodes that lie beside a rod that has lifted its end by a trifle, say, have one
+// equation in it, and go on sharing their force: equally, but for the difference of the rows.
+bool LinkedForces::joinSets() {
+  std::vector<int> &place = setPlace_;  // of the sets with an equation
+  place.clear();
+  int count = 0;
+  for (const Set &set : sets_)
+    place.push_back(set.equation >= 0 ? count++ : -1);
+  if (count == static_cast<int>(sets_.size()))
+    return true;
+  for (std::size_t s = 0; s < sets_.size(); ++s)
+    if (place[s] < 0 && !joinSet(static_cast<int>(s)))
+      return false;
+  for (Joined &joined : joined_)
+    joined.set = place[joined.set];
+  for (std::vector<int> *sets : {&setOf_, &setOfNumber_})
+    for (int &set : *sets)
+      set = set < 0 ? -1 : place[set] >= 0 ? place[set] : place[hostOf_[set]];
+  std::erase_if(sets_, [](const Set &set) { return set.equation < 0; });
   return true;
+}
+
+// The set with an equation whose rows are nearest to those of set s. False: none is near.
+bool LinkedForces::joinSet(int s) {
+  constexpr double nearby = 1e-5;
+  const int number = number_[sets_[s].row];
+  if (setOfNumber_[number] != s)
+    return false;
+  double least = nearby;
+  int host = -1;
+  for (std::size_t t = 0; t < sets_.size(); ++t) {
+    const int other = number_[sets_[t].row];
+    if (sets_[t].equation < 0 || setOfNumber_[other] != static_cast<int>(t))
+      continue;
+    const SemiseparableSystem::Row &x = rows_[number], &y = rows_[other];
+    const Difference difference = largestDifference(x.entries, y.entries, std::max(x.end, y.end));
+    if (difference.largest <= least * difference.ofFirst) {
+      least = difference.largest / difference.ofFirst;
+      host = static_cast<int>(t);
+    }
+  }
+  hostOf_.resize(sets_.size());
+  hostOf_[s] = host;
+  if (host >= 0)
+    joined_.push_back({host, number, sets_[s].count});
+  return host >= 0;
 }
 
 bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem) {
@@ -154,7 +201,14 @@ bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, c
   findSets(rows, problem);
   for (Correction &correction : corrections_)
     correction.isKnown = false;
-  isKnown_ = assignEquations() && system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
+  isKnown_ = assignEquations();
+  if (!isKnown_)
+    return false;
+  unknowns_.clear();
+  for (const Set &set : sets_)
+    unknowns_.push_back(number_[set.equation]);
+  listFrictions(rows.normalCount(), problem);
+  isKnown_ = system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
   return isKnown_;
 }
 
@@ -195,6 +249,8 @@ bool LinkedForces::solve(const ModelEvaluation &at, const RowSystem &rows, const
 
 bool LinkedForces::evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration,
                             ModeForces &forces) {
+  for (Correction &correction : corrections_)
+    correction.isCurrent = false;
   if (!(isKnown_ && refactorise(at, rows, problem) && solve(at, rows, problem, acceleration))) {
     rows.gatherRows(at);
     if (!factorise(at, rows, problem) || !solve(at, rows, problem, acceleration))
@@ -203,29 +259,31 @@ bool LinkedForces::evaluate(const ModelEvaluation &at, RowSystem &rows, const Co
   if (rows.count() == 0)
     return true;
   expand(problem);
-  compareEqual(at, rows);
+  compareEqual(at, rows, acceleration);
   forces.take(problem, forces_, rest_, shares_, mayPress_ ? system_.determinant().relativeTo(begin_) : 1);
   return true;
 }
 
+// By what the row contradicts the equation of its set.
+double LinkedForces::contradiction(const ModelEvaluation &at, const RowSystem &rows, int row, int set, const double *acceleration) const {
+  const int equation = sets_[set].equation, number = number_[row];
+  if (equation == row)
+    return 0;
+  if (number == number_[equation])
+    return rows.modelBias(at, row) - rows.modelBias(at, equation);
+  return denseDot(rows_[number].entries, acceleration, rows_[number].end) + rows.modelBias(at, row);
+}
+
 // By what equal rows contradict one another, and how they differ in their shares.
-void LinkedForces::compareEqual(const ModelEvaluation &at, const RowSystem &rows) {
+void LinkedForces::compareEqual(const ModelEvaluation &at, const RowSystem &rows, const double *acceleration) {
   for (std::size_t a = 0; a < active_.size(); ++a)
-    if (const int equation = sets_[setOf_[a]].equation; equation != active_[a])
-      rest_[active_[a]] = rows.modelBias(at, active_[a]) - rows.modelBias(at, equation);
-    else
-      rest_[equation] = 0;
+    rest_[active_[a]] = contradiction(at, rows, active_[a], setOf_[a], acceleration);
   for (const Limited &limited : limited_)
     if (limited.sticks) {
       const int s = setOfNumber_[number_[limited.row]];
-      rest_[limited.row] = rows.modelBias(at, limited.row) - rows.modelBias(at, sets_[s].equation);
+      rest_[limited.row] = contradiction(at, rows, limited.row, s, acceleration);
       shares_[limited.row] = unknownForce_[s] / sets_[s].count;
     }
-}
-
-void LinkedForces::beginCorrections() {
-  for (Correction &correction : corrections_)
-    correction.isCurrent = false;
 }
 
 bool LinkedForces::factorise(const ModelEvaluation &at, Correction &correction) {
@@ -239,7 +297,7 @@ bool LinkedForces::factorise(const ModelEvaluation &at, Correction &correction) 
 }
 
 bool LinkedForces::correct(const ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change) {
-  if (!isKnown_)
+  if (!isKnown_ || !joined_.empty())
     return false;
   chosen_.clear();
   chosenNumbers_.clear();

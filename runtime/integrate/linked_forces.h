@@ -23,10 +23,9 @@ public:
   // other points does not do. Allocates nothing once it has seen the largest system. False: it is not of this kind there, or singular.
   bool evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
 
-  // change [nv] += M⁻¹ Jᵀ x with J M⁻¹ Jᵀ x = `residual` [rows] on the rows that take part, as of the evaluation that was last; from
-  // beginCorrections() on that is the same one. Equal rows have equal residuals but for rounding: the first one's counts. False: this mode
-  // was not evaluated here, or the rows (nearly) depend on each other.
-  void beginCorrections();
+  // change [nv] += M⁻¹ Jᵀ x with J M⁻¹ Jᵀ x = `residual` [rows] on the rows that take part, as of the evaluation that was last. Equal rows
+  // have equal residuals but for rounding: the first one's counts. False: this mode was not evaluated here, or the rows (nearly) depend on
+  // each other.
   bool correct(const ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change);
 
 private:
@@ -51,6 +50,11 @@ private:
     int row = 0, count = 0, equation = -1;
   };
 
+  // A set whose rows are nearly those of another one, with `count` of which it shares one force.
+  struct Joined {
+    int set = 0, number = 0, count = 0;
+  };
+
   bool factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
   bool refactorise(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem);
   bool solve(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration);
@@ -59,9 +63,12 @@ private:
   void findSets(const RowSystem &rows, const ContactRows &problem);
   void listFrictions(int normals, const ContactRows &problem);
   bool assignEquations();
+  bool joinSets();
+  bool joinSet(int s);
   bool listActive(const RowSystem &rows, const ContactRows &problem, const ContactMode &mode);
   void expand(const ContactProblem &problem);
-  void compareEqual(const ModelEvaluation &at, const RowSystem &rows);
+  double contradiction(const ModelEvaluation &at, const RowSystem &rows, int row, int set, const double *acceleration) const;
+  void compareEqual(const ModelEvaluation &at, const RowSystem &rows, const double *acceleration);
 
   std::vector<int> active_, equations_;  // rows
   std::vector<Limited> limited_;
@@ -75,6 +82,8 @@ private:
   std::vector<int> number_;                     // in rows_, of all rows
   std::vector<std::uint8_t> isAlone_;           // of active rows
   std::vector<Set> sets_;
+  std::vector<Joined> joined_;
+  std::vector<int> hostOf_, setPlace_;    // of sets: the one that they join, and their places when these have gone
   std::vector<int> setOf_, setOfNumber_;  // of active rows, and of rows_ (−1: none yet)
   std::vector<int> unknowns_;
   std::vector<SemiseparableSystem::Friction> frictions_;

@@ -176,8 +176,6 @@ double Projection::project(double time, double *state, const double *scale, cons
   const tf_model &model = at_.model();
   at_.setPoint(time, state);
   factored_.clear();
-  if (linked_ != nullptr)
-    linked_->beginCorrections();
   std::copy_n(state, model.nq + model.nv, before_.begin());
   const bool hasGapRates = projectCoordinates(state);
   projectVelocities(state + model.nq, stopped, slips, hasGapRates);

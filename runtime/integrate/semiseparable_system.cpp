@@ -70,6 +70,7 @@ bool SemiseparableSystem::factorise(const double *mass, int size, std::span<cons
   unknowns_ = unknowns;
   frictions_ = frictions;
   isKnown_ = false;
+  addEnds_.clear();
   listExpressed();
   order();
   sortByEnd(expressed_.size());
@@ -139,32 +140,72 @@ bool SemiseparableSystem::findVectors() {
   stride_ = paddedToLanes(size_);
   reduced_.assign(static_cast<std::size_t>(mostVectors) * stride_, 0.0);
   rest_.resize(stride_);
-  vectors_.assign(static_cast<std::size_t>(size_) * mostVectors, 0.0);
-  outer_.assign(vectors_.size(), 0.0);
-  rowOuter_.assign(expressed_.size() * mostVectors, 0.0);
+  vectors_.resize(static_cast<std::size_t>(size_) * mostVectors);
+  outer_.resize(vectors_.size());
+  rowOuter_.resize(expressed_.size() * mostVectors);
   transition_.assign(size_, -1);
   transitions_.clear();
   std::fill_n(pivot_, mostVectors, -1);
+  std::fill_n(outer_.data(), mostVectors, 0.0);
   count_ = 0;
+  std::size_t adds = 0;  // of addEnds_
   for (int end = size_; end > 0; --end) {
-    isChanged_ = false;
-    dropColumns(end);
-    for (int k = firstOfEnd_[end - 1]; k < firstOfEnd_[end]; ++k)
-      if (const int r = byEnd_[k];
-          !express(expressed_[r], end, rowOuter_.data() + static_cast<std::ptrdiff_t>(r) * mostVectors, rowSize_[r], adds_[size_ + r]))
-        return false;
-    double size = 0;
-    if (end < size_ && !express(mass_ + static_cast<std::ptrdiff_t>(end) * size_, end,
-                                outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors, size, adds_[end]))
+    if (isKnown_) {
+      const int last = std::max(adds < addEnds_.size() ? addEnds_[adds] : 0, *std::max_element(pivot_, pivot_ + mostVectors));
+      if (last < end) {
+        readCoefficients(last, end);
+        end = last + 1;
+        continue;
+      }
+    }
+    if (!findVectorsAt(end))
       return false;
-    keepColumn(end);
+    while (adds < addEnds_.size() && addEnds_[adds] >= end)
+      ++adds;
   }
   return count_ > 0;
 }
 
+// Those of the rows that end after column end − 1.
+bool SemiseparableSystem::findVectorsAt(int end) {
+  isChanged_ = false;
+  dropColumns(end);
+  for (int k = firstOfEnd_[end - 1]; k < firstOfEnd_[end]; ++k)
+    if (const int r = byEnd_[k];
+        !express(expressed_[r], end, rowOuter_.data() + static_cast<std::ptrdiff_t>(r) * mostVectors, rowSize_[r], adds_[size_ + r]))
+      return false;
+  double size = 0;
+  if (end < size_ && !express(mass_ + static_cast<std::ptrdiff_t>(end) * size_, end,
+                              outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors, size, adds_[end]))
+    return false;
+  keepColumn(end);
+  return true;
+}
+
+// Of all rows that end after `last` and at `end` at the latest, where the vectors stay as they are.
+void SemiseparableSystem::readCoefficients(int last, int end) {
+  int column[mostVectors];
+  double scale[mostVectors];
+  for (int k = 0; k < mostVectors; ++k) {
+    column[k] = std::max(pivot_[k], 0);
+    scale[k] = pivot_[k] < 0 ? 0 : scale_[pivot_[k]];
+  }
+  const auto read = [&](const double *row, double factor, double *coefficients) {
+    for (int k = 0; k < mostVectors; ++k)
+      coefficients[k] = row[column[k]] * scale[k] * factor;
+  };
+  for (int k = firstOfEnd_[last]; k < firstOfEnd_[end]; ++k)
+    read(expressed_[byEnd_[k]], 1, rowOuter_.data() + static_cast<std::ptrdiff_t>(byEnd_[k]) * mostVectors);
+  for (int i = last + 1; i <= std::min(end, size_ - 1); ++i)
+    read(mass_ + static_cast<std::ptrdiff_t>(i) * size_, scale_[i], outer_.data() + static_cast<std::ptrdiff_t>(i) * mostVectors);
+  for (int k = 0; k < mostVectors; ++k)
+    for (int j = last; j < end; ++j)
+      vectors_[static_cast<std::size_t>(j) * mostVectors + k] = reduced(k)[j];
+}
+
 // What the rows that end there have led to.
 void SemiseparableSystem::keepColumn(int end) {
-  for (int k = 0; k < count_; ++k) {
+  for (int k = 0; k < mostVectors; ++k) {
     vectors_[static_cast<std::size_t>(end - 1) * mostVectors + k] = reduced(k)[end - 1];
     if (end < size_)
       outer_[static_cast<std::size_t>(end) * mostVectors + k] *= scale_[end];
@@ -237,6 +278,7 @@ bool SemiseparableSystem::express(const double *row, int end, double *coefficien
   double factors[mostVectors];
   const double *parts[mostVectors];
   int used = 0;
+  std::fill_n(coefficients, mostVectors, 0.0);
   for (int k = 0; k < count_; ++k) {
     if (pivot_[k] < 0)
       continue;
@@ -250,6 +292,8 @@ bool SemiseparableSystem::express(const double *row, int end, double *coefficien
   if (rest.largest <= madeUp * rest.ofRow)
     return true;
   adds = 1;
+  if (!isKnown_)
+    addEnds_.push_back(end);
   const int k = static_cast<int>(std::find(pivot_, pivot_ + mostVectors, -1) - pivot_);
   if (k == mostVectors || !std::isfinite(rest.largest))
     return false;

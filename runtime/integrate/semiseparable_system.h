@@ -69,6 +69,8 @@ private:
   bool factoriseListed();
   bool scaleColumns();
   bool findVectors();
+  bool findVectorsAt(int end);
+  void readCoefficients(int last, int end);
   void listExpressed();
   void sortByEnd(std::size_t count);
   void dropColumns(int end);
@@ -112,6 +114,7 @@ private:
   std::vector<const double *> expressed_;  // rows of the unknowns, then of the frictions
   std::vector<double> rowSize_;            // of them: the largest scaled entry
   std::vector<std::uint8_t> adds_;         // rows of M, and of them: they are not sums of the vectors of those before
+  std::vector<int> addEnds_;               // where they end, descending
   bool isKnown_ = false;                   // adds_ is that of numbers before
   std::vector<int> firstOfEnd_, byEnd_;    // of them, or of the unknowns alone, by their ends
   std::vector<int> order_;                 // of elimination: column j < n, or n + unknown

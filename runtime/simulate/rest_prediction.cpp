@@ -39,9 +39,9 @@ bool anyOf(const std::vector<std::uint8_t> &flags) {
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
     : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      lastTime_(at_.model().nc), lowUntil_(at_.model().nc), changed_(at_.model().ns), alternates_(at_.model().ns), change_(at_.model().nv),
-      moment_(at_.model().nv), reach_(at_.model(), at_.scales), owner_(contactsOfTangents(at_.model())),
-      roles_(rolesOfTangents(at_.model())) {
+      lastTime_(at_.model().nc), lastInterval_(at_.model().nc), lowUntil_(at_.model().nc), changed_(at_.model().ns),
+      alternates_(at_.model().ns), change_(at_.model().nv), moment_(at_.model().nv), reach_(at_.model(), at_.scales),
+      owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
   reset(0);
 }
 
@@ -63,6 +63,7 @@ void RestPrediction::restart() {
   forget();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
   std::fill(lastTime_.begin(), lastTime_.end(), lastImpact_);
+  std::fill(lastInterval_.begin(), lastInterval_.end(), std::numeric_limits<double>::infinity());
   std::fill(lowUntil_.begin(), lowUntil_.end(), lastImpact_);
   std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
   std::fill(alternates_.begin(), alternates_.end(), std::uint8_t{0});
@@ -103,8 +104,10 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
     double &fastest = fastest_[contact];
     last_[contact] = speed;
     fastest = std::max(fastest, speed);
-    slowed = slowed || speed <= early * fastest;
     const double own = std::isfinite(lastTime_[contact]) ? time - lastTime_[contact] : 0;
+    // What has not come back within times that become shorter does not accumulate yet.
+    slowed = slowed || (speed <= early * fastest && own > 0 && lastInterval_[contact] > own);
+    lastInterval_[contact] = own > 0 ? own : lastInterval_[contact];
     // Nor do shorter bounces of its own about the longer ones that they follow.
     lowUntil_[contact] =
         speed <= low * fastest ? std::max(lowUntil_[contact], time + intervals * own) : -std::numeric_limits<double>::infinity();

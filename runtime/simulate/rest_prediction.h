@@ -101,26 +101,26 @@ private:
   RowSystem rows_;
   SequenceProblem problem_;
   ImpactSequence sequence_;
-  std::vector<std::uint8_t> takesPart_;         // nc + nf
-  std::vector<std::uint8_t> touches_, stands_;  // rows with gap 0; normal, then tangential rows, with velocity 0
-  bool isDisplaced_ = false;                    // near the point that these were found at: they are kept
-  std::vector<Prediction> predictions_;         // the latest last, T falling
-  std::size_t extrapolatedFrom_ = 0;            // how many predictions the best extrapolation takes
-  RestPoint point_;                             // extrapolated
-  std::vector<double> extrapolated_;            // its state and time; empty where there is none
-  std::vector<double> fastest_, last_;          // nc: approach speeds of impacts, the greatest and the last one
-  std::vector<double> lastTime_, lowUntil_;     // nc: of their last impact, and when its low bounces are over
-  std::vector<std::uint8_t> changed_;           // ns: since the latest prediction
-  std::vector<std::uint8_t> alternates_;        // ns: between the two latest predictions
-  double impacts_ = 0;                          // number
-  double begin_ = 0, firstImpact_ = 0;          // times: of the run, and since restart()
-  double lastImpact_ = 0, nextAttempt_ = 0;     // times
-  int pause_ = 0, passed_ = 0;                  // impacts that are let pass before the next attempt, and those that have
-  double wait_ = 0;                             // of the last attempt without a prediction, in intervals between impacts
-  std::vector<double> change_, moment_;         // workspaces
-  GapScreen reach_;                             // of contacts that a prediction may close
-  std::vector<int> owner_;                      // nt, see contactsOfTangents
-  std::vector<TangentRole> roles_;              // nt
+  std::vector<std::uint8_t> takesPart_;                     // nc + nf
+  std::vector<std::uint8_t> touches_, stands_;              // rows with gap 0; normal, then tangential rows, with velocity 0
+  bool isDisplaced_ = false;                                // near the point that these were found at: they are kept
+  std::vector<Prediction> predictions_;                     // the latest last, T falling
+  std::size_t extrapolatedFrom_ = 0;                        // how many predictions the best extrapolation takes
+  RestPoint point_;                                         // extrapolated
+  std::vector<double> extrapolated_;                        // its state and time; empty where there is none
+  std::vector<double> fastest_, last_;                      // nc: approach speeds of impacts, the greatest and the last one
+  std::vector<double> lastTime_, lastInterval_, lowUntil_;  // nc: of their last impact, since the one before, and when its low bounces end
+  std::vector<std::uint8_t> changed_;                       // ns: since the latest prediction
+  std::vector<std::uint8_t> alternates_;                    // ns: between the two latest predictions
+  double impacts_ = 0;                                      // number
+  double begin_ = 0, firstImpact_ = 0;                      // times: of the run, and since restart()
+  double lastImpact_ = 0, nextAttempt_ = 0;                 // times
+  int pause_ = 0, passed_ = 0;                              // impacts that are let pass before the next attempt, and those that have
+  double wait_ = 0;                                         // of the last attempt without a prediction, in intervals between impacts
+  std::vector<double> change_, moment_;                     // workspaces
+  GapScreen reach_;                                         // of contacts that a prediction may close
+  std::vector<int> owner_;                                  // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;                          // nt
 };
 
 }  // namespace tf::runtime
