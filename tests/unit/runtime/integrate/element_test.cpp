@@ -1,4 +1,5 @@
 // One-step methods on smooth modes of compiled models: order, Jacobians, projection.
+#include "runtime/integrate/bogacki_shampine.h"
 #include "runtime/integrate/dormand_prince.h"
 #include "runtime/integrate/dormand_prince_8.h"
 #include "runtime/integrate/element_integrator.h"
@@ -52,6 +53,7 @@ double oscillatorError(std::unique_ptr<ElementMethod> (*make)(int), double step)
 }
 
 template <int stages> std::unique_ptr<ElementMethod> radau(int size) { return std::make_unique<Radau>(size, stages); }
+std::unique_ptr<ElementMethod> bogackiShampine(int size) { return std::make_unique<BogackiShampine>(size); }
 std::unique_ptr<ElementMethod> dormandPrince(int size) { return std::make_unique<DormandPrince>(size); }
 std::unique_ptr<ElementMethod> dormandPrince8(int size) { return std::make_unique<DormandPrince8>(size); }
 
@@ -66,14 +68,16 @@ TEST(Radau, HasOrderTwoStagesMinusOne) {
   EXPECT_NEAR(observedOrder(radau<4>, 0.5), 7, 0.4);
 }
 
+TEST(BogackiShampineTest, HasOrderThree) { EXPECT_NEAR(observedOrder(bogackiShampine, 0.02), 3, 0.2); }
+
 TEST(DormandPrinceTest, HasOrderFive) { EXPECT_NEAR(observedOrder(dormandPrince, 0.1), 5, 0.3); }
 
 TEST(DormandPrince8Test, HasOrderEight) { EXPECT_NEAR(observedOrder(dormandPrince8, 0.5), 8, 0.7); }
 
-// One step over [0, h]: the error of the continuous extension falls with h⁸.
-double extensionError(double step) {
+// One step over [0, h]: the error of the continuous extension.
+template <class Method> double extensionError(double step) {
   InMode belt(test::beltModel(), {{}, {Tangent::SlipNegative}, {}}, {0, -0.1, 0});
-  DormandPrince8 method(3);
+  Method method(3);
   const double state[] = {0, -0.1, 0}, scale[] = {1, 1, 1};
   double rate[3], inside[3], worst = 0;
   EXPECT_TRUE(belt.dynamics.evaluate(0, state, rate));
@@ -86,7 +90,27 @@ double extensionError(double step) {
   return worst;
 }
 
-TEST(DormandPrince8Test, HasAContinuousExtensionOfOrderSeven) { EXPECT_NEAR(std::log2(extensionError(0.8) / extensionError(0.4)), 8, 0.7); }
+template <class Method> double extensionOrder(double step) {
+  return std::log2(extensionError<Method>(step) / extensionError<Method>(step / 2)) - 1;
+}
+
+TEST(BogackiShampineTest, HasAContinuousExtensionOfOrderThree) { EXPECT_NEAR(extensionOrder<BogackiShampine>(0.04), 3, 0.3); }
+
+TEST(DormandPrince8Test, HasAContinuousExtensionOfOrderSeven) { EXPECT_NEAR(extensionOrder<DormandPrince8>(0.8), 7, 0.7); }
+
+// What the estimate is of: the solution of order 2, off by h³.
+TEST(BogackiShampineTest, EstimatesAnErrorOfOrderTwo) {
+  InMode belt(test::beltModel(), {{}, {Tangent::SlipNegative}, {}}, {0, -0.1, 0});
+  const double state[] = {0, -0.1, 0}, scale[] = {1, 1, 1};
+  double rate[3];
+  ASSERT_TRUE(belt.dynamics.evaluate(0, state, rate));
+  const auto estimate = [&](double step) {
+    BogackiShampine method(3);
+    EXPECT_TRUE(method.solve(belt.dynamics, 0, state, rate, step, scale, 0));
+    return method.errorNorm(scale, 1);
+  };
+  EXPECT_NEAR(std::log2(estimate(0.04) / estimate(0.02)), 3, 0.2);
+}
 
 // The box slides on its lower left corner: q = (x, y, th), v, tau.
 InMode slidingBox(std::vector<double> &state) {
