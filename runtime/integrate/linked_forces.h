@@ -1,8 +1,7 @@
 // The contact forces and the accelerations of a mode whose bodies are linked one to the next, in O(n) (SemiseparableSystem): neither M nor
 // D is factorised. The same equations as ModeForces, for rows that are independent, or redundant because some of them are equal, or were so
 // when the mode began, as the slips of a chain that lies flat: these have equal shares of their sum, but for those whose friction is at its
-// limit. What else redundant
-// rows may need is left to ModeForces.
+// limit. What else redundant rows may need is left to ModeForces.
 #pragma once
 
 #include "runtime/contact/mode_forces.h"
