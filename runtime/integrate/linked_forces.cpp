@@ -200,7 +200,7 @@ bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, c
   listRows(rows);
   findSets(rows, problem);
   for (Correction &correction : corrections_)
-    correction.isKnown = false;
+    correction.isKnown = correction.isCurrent = false;
   isKnown_ = assignEquations();
   if (!isKnown_)
     return false;

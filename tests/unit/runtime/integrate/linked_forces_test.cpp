@@ -236,7 +236,31 @@ TEST(LinkedForces, AreSharedByRowsThatAreNearlyEqual) {
   }
 }
 
-// The shortest motion, in the metric of M, that removes the residuals of the normal rows, or of all: of equal rows these are equal.
+// The shortest motion, in the metric of M, that removes the residuals of the normal rows, or of all: of equal rows these are equal. `lying`
+// contacts, at the chain's point.
+void expectCorrection(OnFloor &chain, int lying, bool all) {
+  const RowMajor M = chainAt(chain.state.data()).mass();
+  std::vector<std::uint8_t> takesPart(2 * lying, 1);
+  std::vector<double> residual(2 * lying), change(velocities, 0.0);
+  for (int row = 0; row < 2 * lying; ++row) {
+    takesPart[row] = all || row < lying;
+    residual[row] = row < lying ? 1e-5 * std::sin(3 * row) : 2e-5;
+  }
+  ASSERT_TRUE(chain.linked.correct(chain.at, takesPart, residual.data(), change.data()));
+  // Slips of nodes that lie are one.
+  const int rows = lying + (all ? 1 : 0);
+  Eigen::MatrixXd J(rows, velocities);
+  Eigen::VectorXd right(rows);
+  for (int row = 0; row < rows; ++row) {
+    J.row(row) = Eigen::Map<const Eigen::RowVectorXd>(chain.system.rows.jacobian(row), velocities);
+    right[row] = residual[row];
+  }
+  const Eigen::MatrixXd response = M.ldlt().solve(J.transpose().eval());
+  const Eigen::VectorXd expected = response * (J * response).ldlt().solve(right);
+  for (int i = 0; i < velocities; ++i)
+    EXPECT_NEAR(change[i], expected[i], 1e-9 * expected.lpNorm<Eigen::Infinity>()) << i;
+}
+
 TEST(LinkedForces, CorrectWhatRowsAreOffBy) {
   constexpr int lying = 20;
   OnFloor chain(lying, 0.9);
@@ -245,29 +269,25 @@ TEST(LinkedForces, CorrectWhatRowsAreOffBy) {
     chain.turn(lying, angle);
     ASSERT_TRUE(chain.evaluateDense());
     chain.expectEvaluated();
-    const RowMajor M = chainAt(chain.state.data()).mass();
-    for (const bool all : {false, true}) {
-      std::vector<std::uint8_t> takesPart(2 * lying, 1);
-      std::vector<double> residual(2 * lying), change(velocities, 0.0);
-      for (int row = 0; row < 2 * lying; ++row) {
-        takesPart[row] = all || row < lying;
-        residual[row] = row < lying ? 1e-5 * std::sin(3 * row) : 2e-5;
-      }
-      ASSERT_TRUE(chain.linked.correct(chain.at, takesPart, residual.data(), change.data()));
-      // Slips of nodes that lie are one.
-      const int rows = lying + (all ? 1 : 0);
-      Eigen::MatrixXd J(rows, velocities);
-      Eigen::VectorXd right(rows);
-      for (int row = 0; row < rows; ++row) {
-        J.row(row) = Eigen::Map<const Eigen::RowVectorXd>(chain.system.rows.jacobian(row), velocities);
-        right[row] = residual[row];
-      }
-      const Eigen::MatrixXd response = M.ldlt().solve(J.transpose().eval());
-      const Eigen::VectorXd expected = response * (J * response).ldlt().solve(right);
-      for (int i = 0; i < velocities; ++i)
-        EXPECT_NEAR(change[i], expected[i], 1e-9 * expected.lpNorm<Eigen::Infinity>()) << i;
-    }
+    for (const bool all : {false, true, false})
+      expectCorrection(chain, lying, all);
   }
+}
+
+// What has been factorised for corrections is that of the mode: another one may be corrected before its first evaluation.
+TEST(LinkedForces, CorrectTheModeThatHasBegun) {
+  constexpr int lying = 20;
+  OnFloor chain(lying, 0.5);
+  chain.expectSame();
+  expectCorrection(chain, lying, false);
+  OnFloor other(lying, 0.5);
+  for (int contact = 0; contact < lying; ++contact)
+    other.slip(contact, 1);
+  other.turn(lying, 0.4);
+  ASSERT_TRUE(other.solveDense());
+  ASSERT_TRUE(chain.linked.choose(other.at, other.system.rows, other.system.problem, other.mode, other.forces));
+  std::swap(chain.linked, other.linked);
+  expectCorrection(other, lying, false);
 }
 
 // Rows of which some follow from others, if not as equal ones, are left to others.
