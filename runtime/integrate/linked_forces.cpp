@@ -170,9 +170,10 @@ bool LinkedForces::joinSets() {
   return true;
 }
 
-// The set with an equation whose rows are nearest to those of set s. False: none is near.
+// The set with an equation whose rows are nearest to those of set s. False: none is near enough: shares are not quite equal where rows
+// are not, and others' forces change as well, by that part.
 bool LinkedForces::joinSet(int s) {
-  constexpr double nearby = 1e-5;
+  const double nearby = 0.1 * forceError_;
   const int number = number_[sets_[s].row];
   if (setOfNumber_[number] != s)
     return false;

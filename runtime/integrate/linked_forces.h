@@ -19,6 +19,9 @@ public:
   bool choose(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem, const ContactMode &mode,
               const ModeForces &start);
 
+  // Part of the forces that nobody notices.
+  void setForceError(double error) { forceError_ = error; }
+
   // Forces, into `forces`, and accelerations [nv] at the evaluation's point. `rows` are gathered there where what is known of them from
   // other points does not do. Allocates nothing once it has seen the largest system. False: it is not of this kind there, or singular.
   bool evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
@@ -73,6 +76,7 @@ private:
   std::vector<int> active_, equations_;  // rows
   std::vector<Limited> limited_;
   std::vector<ForceLimit> saturated_;
+  double forceError_ = 1e-9;
   int normals_ = 0;
   bool mayPress_ = false;
   SemiseparableSystem system_;

@@ -61,6 +61,9 @@ public:
   [[nodiscard]] ModelEvaluation &model() { return at_; }
   [[nodiscard]] const Mode &mode() const { return mode_; }
 
+  // Part of the contact forces below which they need not be those of the equations.
+  void setForceError(double error) { linked_.setForceError(error); }
+
   // Begins the mode at (t, y). False: it has no admissible forces or cannot be evaluated there.
   bool start(const Mode &mode, double time, const double *state) { return start(mode, time, state, plus_.data()); }
   // As well, with dy/dt there; `solved` (may be null): the contact problem there, with the mode's step variables.

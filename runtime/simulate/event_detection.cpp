@@ -61,6 +61,7 @@ void EventDetection::setIntegrator(SmoothIntegrator &integrator) {
   // shows.
   constexpr double leastForceError = 1e-9, largestForceError = 1e-5;
   forceError_ = std::clamp(integrator.settings().tolerance, leastForceError, largestForceError);
+  dynamics_.setForceError(forceError_);
 }
 
 // Magnitude below which a guard that starts at zero has not clearly left it: the integrator's error.

@@ -211,11 +211,12 @@ TEST(LinkedForces, GoOnAtOtherPoints) {
   }
 }
 
-// Rows that were equal, of rods that lie, are no more where one of these lifts its end.
-TEST(LinkedForces, NoticeThatEqualRowsDiffer) {
+// Rows that were equal, of rods that lie, are no more where one of these lifts its end by so much that forces show it.
+void expectDifference(double angle, double forceError) {
   OnFloor chain(20, 0.9);
+  chain.linked.setForceError(forceError);
   chain.expectSame();
-  chain.state[velocities - 1] = 0.1;
+  chain.state[velocities - 1] = angle;
   chain.at.setPoint(0, chain.state.data());
   EXPECT_TRUE(chain.at.dynamics());
   chain.at.contactTerms(chain.mask.data());
@@ -223,9 +224,15 @@ TEST(LinkedForces, NoticeThatEqualRowsDiffer) {
   EXPECT_FALSE(chain.linked.evaluate(chain.at, chain.system.rows, chain.system.problem, acceleration.data(), chain.forces));
 }
 
+TEST(LinkedForces, NoticeThatEqualRowsDiffer) {
+  expectDifference(0.1, 1e-5);
+  expectDifference(1e-7, 1e-9);
+}
+
 // Where the end is lifted by little the mode goes on, with the rows that were equal sharing one force as before.
 TEST(LinkedForces, AreSharedByRowsThatAreNearlyEqual) {
   OnFloor chain(20, 0.9);
+  chain.linked.setForceError(1e-5);
   chain.expectSame();
   for (const double angle : {1e-12, 1e-9, 1e-7, 1e-9, 0.0}) {
     SCOPED_TRACE(angle);
@@ -294,6 +301,7 @@ TEST(LinkedForces, CorrectTheModeThatHasBegun) {
 TEST(LinkedForces, DoNotCorrectDependentRows) {
   constexpr int lying = 20;
   OnFloor chain(lying, 0.9);
+  chain.linked.setForceError(1e-5);
   chain.expectSame();
   chain.state[velocities - 1] = 1e-8;
   chain.at.setPoint(0, chain.state.data());
