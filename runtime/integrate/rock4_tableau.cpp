@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace tf::runtime {
 
@@ -79,36 +78,6 @@ template <std::size_t count> std::array<double, count> solve(std::array<std::arr
   for (std::size_t i = 0; i < count; ++i)
     result[i] = rows[i][count] / rows[i][i];
   return result;
-}
-
-// P_j with P_j(0) = 1 by the procedure of Stieltjes; Gauss–Chebyshev quadrature of so many nodes is exact for the scalar products.
-void makeRecurrence(const StabilityPolynomial &polynomial, Rock4Tableau &tableau) {
-  const int count = polynomial.stages - lastStages, nodes = count + 6;
-  std::vector<double> x(nodes), weight(nodes), before(nodes, 0.0), last(nodes, 1.0);
-  for (int k = 0; k < nodes; ++k) {
-    x[k] = -polynomial.begin - (polynomial.length - polynomial.begin) * (1 - std::cos((2 * k + 1) * std::numbers::pi / (2 * nodes))) / 2;
-    const double w = (std::pow(x[k] - polynomial.re1, 2) + std::pow(polynomial.im1, 2)) *
-                     (std::pow(x[k] - polynomial.re2, 2) + std::pow(polynomial.im2, 2));
-    weight[k] = w * w;
-  }
-  double normBefore = 0;
-  for (int j = 0; j < count; ++j) {
-    double norm = 0, moment = 0;
-    for (int k = 0; k < nodes; ++k) {
-      norm += weight[k] * last[k] * last[k];
-      moment += weight[k] * last[k] * last[k] * x[k];
-    }
-    const double centre = moment / norm, ratio = j > 0 ? norm / (normBefore * tableau.mu.back()) : 0;
-    const double mu = -1 / (centre + ratio), kappa = mu * ratio;
-    for (int k = 0; k < nodes; ++k) {
-      const double next = mu * (x[k] - centre) * last[k] - kappa * before[k];
-      before[k] = last[k];
-      last[k] = next;
-    }
-    normBefore = norm;
-    tableau.mu.push_back(mu);
-    tableau.kappa.push_back(kappa);
-  }
 }
 
 // Weights of the last g and, into `before`, of the one before; the times of all.
@@ -191,7 +160,11 @@ Rock4Tableau makeTableau(const StabilityPolynomial &polynomial) {
   Rock4Tableau tableau;
   tableau.stages = polynomial.stages;
   tableau.border = polynomial.length;
-  makeRecurrence(polynomial, tableau);
+  const auto w = [&polynomial](double x) {
+    return (std::pow(x - polynomial.re1, 2) + std::pow(polynomial.im1, 2)) *
+           (std::pow(x - polynomial.re2, 2) + std::pow(polynomial.im2, 2));
+  };
+  makeRecurrence(polynomial.stages - lastStages, polynomial.begin, polynomial.length, w, tableau);
   TreeWeights before;
   const TreeWeights g = recurrenceWeights(tableau, before);
   // The second node by the secant method.
@@ -220,12 +193,6 @@ const std::vector<Rock4Tableau> &rock4Tableaus() {
     return all;
   }();
   return tableaus;
-}
-
-const Rock4Tableau &rock4TableauFor(double border) {
-  const std::vector<Rock4Tableau> &all = rock4Tableaus();
-  const auto first = std::find_if(all.begin(), all.end(), [border](const Rock4Tableau &tableau) { return tableau.border >= border; });
-  return first != all.end() ? *first : all.back();
 }
 
 }  // namespace tf::runtime

@@ -11,8 +11,8 @@ namespace {
 // Equations II, IV.2): nothing is lost where they are wrong.
 constexpr int leastPatience = 8, mostPatience = 10000;
 constexpr int leastPause = 4, mostPause = 1000;
-// So far beyond the pair's border a step must reach, that it is ROCK4's.
-constexpr double leastRock = 1.2;
+// So far beyond the pair's border a step must reach, that it is the stabilised method's.
+constexpr double leastStabilised = 1.2;
 // The Jacobian changes slowly along the motion (Abdulle 2002).
 constexpr int stepsPerEstimate = 25;
 // Steps at the border, in a row, that show that the radius is larger than its bound.
@@ -20,9 +20,10 @@ constexpr int doubtfulPatience = 3;
 
 }  // namespace
 
-StabilisedPair::StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low)
-    : ElementMethod(size), pair_(std::move(pair)), low_(std::move(low)), border_(pair_->stabilityBorder()), rock_(size), radius_(size),
-      patience_(leastPatience), pause_(leastPause), pauseLeft_(0) {}
+StabilisedPair::StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low,
+                               std::unique_ptr<StabilisedMethod> stabilised)
+    : ElementMethod(size), pair_(std::move(pair)), low_(std::move(low)), border_(pair_->stabilityBorder()),
+      stabilised_(std::move(stabilised)), radius_(size), patience_(leastPatience), pause_(leastPause), pauseLeft_(0) {}
 
 void StabilisedPair::restart() {
   isNewMode_ = true;
@@ -30,14 +31,14 @@ void StabilisedPair::restart() {
   endsEarly_ = modeSteps_ == 1;
   modeSteps_ = 0;
   lowLength_ = 0;
-  isLow_ = isRock_ = false;
+  isLow_ = isStabilised_ = false;
 }
 
 void StabilisedPair::forget() {
   modeSteps_ = 0;
   restart();
   radius_.forget();
-  isKnown_ = isDamped_ = mayRock_ = false;
+  isKnown_ = isDamped_ = mayStabilise_ = false;
   borderSteps_ = doubtfulSteps_ = wasted_ = pauseLeft_ = 0;
   patience_ = leastPatience;
   pause_ = leastPause;
@@ -45,7 +46,7 @@ void StabilisedPair::forget() {
 
 // Slips that turn, faster and faster as they end, change the spectrum within a step.
 double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) {
-  mayRock_ = isAdjusted_ = false;
+  mayStabilise_ = isAdjusted_ = false;
   isDamped_ = isKnown_ && !dynamics.hasTurningSlips();
   if (!isDamped_ || (radius_.isKnown() && !isDoubted() && h * radius_.bound() <= border_))
     return h;
@@ -64,8 +65,8 @@ double StabilisedPair::adjustStep(double h, ModeDynamics &dynamics, double t0, c
   if (reach <= border_)
     return h;
   isAdjusted_ = true;
-  mayRock_ = pauseLeft_ == 0 && reach >= leastRock * border_;
-  return std::min(h, (mayRock_ ? Rock4::border() : border_) / radius_.bound());
+  mayStabilise_ = pauseLeft_ == 0 && reach >= leastStabilised * border_;
+  return std::min(h, (mayStabilise_ ? stabilised_->border() : border_) / radius_.bound());
 }
 
 bool StabilisedPair::isDoubted() const { return doubtfulSteps_ >= doubtfulPatience; }
@@ -90,11 +91,11 @@ bool StabilisedPair::mayBeLow(double h) const {
 bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                            double accuracy) {
   length_ = h;
-  isRock_ = mayRock_ && h * radius_.bound() > border_;
-  isLow_ = !isRock_ && mayBeLow(h);
-  if (isRock_)
-    rock_.setRadius(radius_.bound());
-  ElementMethod &method = isRock_ ? static_cast<ElementMethod &>(rock_) : explicitMethod();
+  isStabilised_ = mayStabilise_ && h * radius_.bound() > border_;
+  isLow_ = !isStabilised_ && mayBeLow(h);
+  if (isStabilised_)
+    stabilised_->setRadius(radius_.bound());
+  ElementMethod &method = isStabilised_ ? static_cast<ElementMethod &>(*stabilised_) : explicitMethod();
   method.setDistance(distance_);
   if (!method.solve(dynamics, t0, y0, f0, h, scale, accuracy))
     return false;
@@ -105,12 +106,12 @@ bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, 
 
 // The error of a step that is not stable is in the direction that the radius is wrong for.
 void StabilisedPair::reject(const double *scale) {
-  wasted_ += isRock_ ? rock_.interiorStages() + 1 : explicitMethod().evaluations();
+  wasted_ += isStabilised_ ? stabilised_->interiorStages() + 1 : explicitMethod().evaluations();
   if (isLow_)
     endsEarly_ = false;
   lowLength_ = 0;
-  if (isRock_)
-    doubtRadius(rock_.error(), scale);
+  if (isStabilised_)
+    doubtRadius(stabilised_->error(), scale);
 }
 
 void StabilisedPair::doubtRadius(const double *error, const double *scale) {
@@ -131,7 +132,7 @@ void StabilisedPair::finish(double error, const double *scale) {
   // Of the pair's steps those of the lower order are a part, to a factor of two over usual tolerances.
   constexpr double part = 0.25, longest = 8;
   ++modeSteps_;
-  if (isRock_) {
+  if (isStabilised_) {
     ++stepsSinceEstimate_;
     judge();
   } else {
@@ -148,7 +149,7 @@ void StabilisedPair::finish(double error, const double *scale) {
 
 // Time per evaluation against that of the pair at its border. Where accuracy limits the steps, the pair's order is better.
 void StabilisedPair::judge() {
-  const double own = length_ * radius_.bound() / (rock_.interiorStages() + 1 + wasted_);
+  const double own = length_ * radius_.bound() / (stabilised_->interiorStages() + 1 + wasted_);
   if (own >= border_ / pair_->evaluations()) {
     pause_ = leastPause;
     patience_ = leastPatience;
@@ -158,11 +159,13 @@ void StabilisedPair::judge() {
   }
 }
 
-// Where ROCK4 would take longer steps, if they were as accurate, stability does not limit those of the pair. The longer a mode lasts, the
-// more it is worth the begin of an implicit method.
+// Where the stabilised method would take longer steps, if they were as accurate, stability does not limit those of the pair. The longer a
+// mode lasts, the more it is worth the begin of an implicit method.
 double StabilisedPair::stabilityRatio() const {
   constexpr double lasting = 50;
-  return isRock_ ? rock_.stabilityRatio() * (1 + modeSteps_ / lasting) : isDamped_ && !isDoubted() ? 0 : explicitMethod().stabilityRatio();
+  return isStabilised_               ? stabilised_->stabilityRatio() * (1 + modeSteps_ / lasting)
+         : isDamped_ && !isDoubted() ? 0
+                                     : explicitMethod().stabilityRatio();
 }
 
 }  // namespace tf::runtime

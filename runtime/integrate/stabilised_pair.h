@@ -1,11 +1,11 @@
-// An explicit pair, one of lower order for those steps that something else than the error ends early (an event, an output), and ROCK4 for
-// those that stability would shorten: all are one-step methods, so that every step may be any one's. Damping that is stiff in one mode is
-// so in the next ones: what is known of the spectrum outlives events.
+// An explicit pair, one of lower order for those steps that something else than the error ends early (an event, an output), and a
+// stabilised method for those that stability would shorten: all are one-step methods, so that every step may be any one's. Damping that is
+// stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
 #pragma once
 
 #include "runtime/integrate/explicit_method.h"
-#include "runtime/integrate/rock4.h"
 #include "runtime/integrate/spectral_radius.h"
+#include "runtime/integrate/stabilised_method.h"
 
 #include <memory>
 
@@ -14,7 +14,8 @@ namespace tf::runtime {
 class StabilisedPair final : public ElementMethod {
 public:
   // `low` may be null.
-  StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low);
+  StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low,
+                 std::unique_ptr<StabilisedMethod> stabilised);
 
   void forget() override;
   void restart() override;
@@ -29,7 +30,7 @@ public:
   [[nodiscard]] double errorOrder() const override { return current().errorOrder(); }
   [[nodiscard]] int interiorStages() const override { return current().interiorStages(); }
   [[nodiscard]] double stabilityRatio() const override;
-  [[nodiscard]] bool isStabilised() const override { return isRock_; }
+  [[nodiscard]] bool isStabilised() const override { return isStabilised_; }
 
 private:
   [[nodiscard]] bool needsEstimate(double h) const;
@@ -39,29 +40,31 @@ private:
   void watchBorder(const double *scale);
   void doubtRadius(const double *error, const double *scale);
   [[nodiscard]] ExplicitMethod &explicitMethod() const { return isLow_ ? *low_ : *pair_; }
-  [[nodiscard]] const ElementMethod &current() const { return isRock_ ? static_cast<const ElementMethod &>(rock_) : explicitMethod(); }
+  [[nodiscard]] const ElementMethod &current() const {
+    return isStabilised_ ? static_cast<const ElementMethod &>(*stabilised_) : explicitMethod();
+  }
 
   std::unique_ptr<ExplicitMethod> pair_, low_;
-  bool isLow_ = false;      // the last step was low_'s, if not ROCK4's
+  bool isLow_ = false;      // the last step was low_'s, if not stabilised_'s
   double lowLength_ = 0;    // the step that the error of low_ would allow; 0: not known
   bool endsEarly_ = false;  // the mode before this one ended in its first step
   int modeSteps_ = 0;       // in this mode
   double border_;           // of the pair, for h times the bound of the radius: what is not resolved there dies out
-  Rock4 rock_;
+  std::unique_ptr<StabilisedMethod> stabilised_;
   SpectralRadius radius_;
   bool isKnown_ = false;        // damping has been found stiff, and radius_ is what it was last
   bool isDamped_ = false;       // and is so in this mode
-  bool mayRock_ = false;        // in the next step
-  bool isRock_ = false;         // the last step was ROCK4's
+  bool mayStabilise_ = false;   // in the next step
+  bool isStabilised_ = false;   // the last step was stabilised_'s
   double length_ = 0;           // of the last step
   int borderSteps_ = 0;         // of the pair, less those that were not at its border
   int patience_;                // so many of them tell that damping is stiff
-  int pause_, pauseLeft_;       // steps of the pair after one of ROCK4 that was not worth its evaluations
+  int pause_, pauseLeft_;       // steps of the pair after one of stabilised_ that was not worth its evaluations
   int wasted_ = 0;              // evaluations of rejected steps
-  int stepsSinceEstimate_ = 0;  // of ROCK4
+  int stepsSinceEstimate_ = 0;  // of stabilised_
   int doubtfulSteps_ = 0;       // in a row, at the pair's border though the bound of the radius has them well inside
   bool isNewMode_ = true;       // since the estimate
-  bool isAdjusted_ = false;     // the step is shorter than wanted, or ROCK4's
+  bool isAdjusted_ = false;     // the step is shorter than wanted, or stabilised_'s
   int adjustedSteps_ = 0;       // such ones in this mode
 };
 

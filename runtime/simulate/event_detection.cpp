@@ -108,6 +108,17 @@ void EventDetection::arm(int guard) {
   starts_[guard].armed = Arming::ByValue;
 }
 
+bool EventDetection::isArmedNow(int guard) const {
+  return std::any_of(armedNow_.begin(), armedNow_.end(), [guard](const auto &other) { return other.first == guard; });
+}
+
+// As before the step.
+void EventDetection::disarm(int guard) {
+  for (const auto &[k, armed] : armedNow_)
+    if (k == guard)
+      starts_[k].armed = armed;
+}
+
 // The step is to end with this guard: where the others have been positive may be later.
 void EventDetection::disarmOthers(int guard) {
   for (const auto &[k, armed] : armedNow_)

@@ -152,7 +152,10 @@ private:
   [[nodiscard]] static Start openStart(double time) { return {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0}; }
   // The guard has been clearly positive, at a time of the step.
   void arm(int guard);
+  [[nodiscard]] bool isArmedNow(int guard) const;
+  void disarm(int guard);
   void disarmOthers(int guard);
+  [[nodiscard]] bool hasJustBegun(int guard, double value) const;
   std::vector<Start> starts_, resumed_;           // of the guards in awake_
   std::vector<std::pair<int, Arming>> armedNow_;  // in the search, and how they were before
   std::vector<int> awake_, previous_;             // guards whose contacts are awake (GapScreen), and others but for held_; ascending

@@ -47,12 +47,13 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
         event.time = x;
         return Location::Vanished;
       }
-    } else if (g.kind == GuardKind::Slip && starts_[guard].armed == Arming::Not && value > 0) {
+    } else if (g.kind == GuardKind::Slip && hasJustBegun(guard, value)) {
       // So does a slip whose acceleration has just been zero.
       if (!dynamics_.evaluate(x, integrator_->end(), integrator_->endRate()))
         return Location::Unsolved;
       slope = dynamics_.slipRate(guard);
       if (slope >= 0) {
+        disarm(guard);
         event.time = x;
         return Location::Vanished;
       }
@@ -75,6 +76,11 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
   }
   event.time = x;
   return Location::Found;
+}
+
+// A slip that has not left zero before the step, and has gone beyond it or, seen by the step that ends there, has not come out of it.
+bool EventDetection::hasJustBegun(int guard, double value) const {
+  return starts_[guard].armed == Arming::Not ? value > 0 : value < 0 && isArmedNow(guard);
 }
 
 // The step has ended so near the zero that the interpolant leads there from its end.

@@ -6,6 +6,8 @@
 #include "runtime/integrate/dormand_prince_8.h"
 #include "runtime/integrate/element_integrator.h"
 #include "runtime/integrate/radau.h"
+#include "runtime/integrate/rock2.h"
+#include "runtime/integrate/rock4.h"
 #include "runtime/integrate/stabilised_pair.h"
 
 #include <fmt/format.h>
@@ -22,18 +24,29 @@ namespace {
 // Where the tolerance is very loose, events and stability limit the steps rather than errors: the fewer evaluations in a step the better.
 // Order 8 pays but where the tolerance is loose, since its steps of twelve evaluations are too long there for the pieces between events,
 // and where a step is short for other reasons than its error. Where slips of two components stop, their direction turns ever faster: no
-// order is high there. ROCK4, of order 4, does not pay where the tolerance is tight.
+// order is high there. ROCK4, of order 4, does not pay where the tolerance is tight, nor does ROCK2, of order 2, where it is not very
+// loose.
 std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
-  constexpr double veryLoose = 5e-4, loose = 2e-6, tight = 2e-9;
+  constexpr double ofRock2 = 5e-3, veryLoose = 5e-4, loose = 2e-6, tight = 2e-9;
   if (settings.fixedStep > 0)
     return std::make_unique<DormandPrince>(size);
-  if (settings.tolerance > veryLoose && !slipsTurn)
-    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince>(size), std::make_unique<BogackiShampine>(size));
+  if (settings.tolerance <= tight && !slipsTurn)
+    return std::make_unique<DormandPrince8>(size);
+  std::unique_ptr<ExplicitMethod> pair, low;
   if (settings.tolerance > loose || slipsTurn)
-    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince>(size), nullptr);
-  if (settings.tolerance > tight)
-    return std::make_unique<StabilisedPair>(size, std::make_unique<DormandPrince8>(size), std::make_unique<DormandPrince>(size));
-  return std::make_unique<DormandPrince8>(size);
+    pair = std::make_unique<DormandPrince>(size);
+  else
+    pair = std::make_unique<DormandPrince8>(size);
+  if (settings.tolerance > veryLoose && !slipsTurn)
+    low = std::make_unique<BogackiShampine>(size);
+  else if (settings.tolerance <= loose && !slipsTurn)
+    low = std::make_unique<DormandPrince>(size);
+  std::unique_ptr<StabilisedMethod> stabilised;
+  if (settings.tolerance > ofRock2)
+    stabilised = std::make_unique<Rock2>(size);
+  else
+    stabilised = std::make_unique<Rock4>(size);
+  return std::make_unique<StabilisedPair>(size, std::move(pair), std::move(low), std::move(stabilised));
 }
 
 }  // namespace

@@ -105,9 +105,9 @@ TEST(Rock4Tableaus, EstimateTheirError) {
 }
 
 TEST(Rock4Tableaus, AreChosenByTheBorder) {
-  EXPECT_EQ(rock4TableauFor(0).stages, 5);
-  EXPECT_EQ(rock4TableauFor(14).stages, 7);
-  EXPECT_EQ(rock4TableauFor(1e9).stages, rock4Tableaus().back().stages);
+  EXPECT_EQ(tableauFor(0, rock4Tableaus()).stages, 5);
+  EXPECT_EQ(tableauFor(14, rock4Tableaus()).stages, 7);
+  EXPECT_EQ(tableauFor(1e9, rock4Tableaus()).stages, rock4Tableaus().back().stages);
 }
 
 // The belt's mass in slip: x'' = -4 x + 1 with x(0) = 0, x'(0) = -0.1.

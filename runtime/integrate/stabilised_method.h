@@ -1,0 +1,77 @@
+// Stabilised explicit Runge–Kutta methods, for modes that are stiff by damping: the number of stages grows with the square root of the
+// step, where other explicit methods need steps of bounded length. Each is a family with tableaus for several numbers of stages.
+//
+// The stability polynomial of each is w(x) P(x), where w is positive, of the degree of the method's order, and the P are orthogonal on
+// [−border, −begin] with the weight w(x)²/√((x + border)(−begin − x)), so that P comes out of a recurrence of three terms, one evaluation
+// each:
+//     g_j = g_(j−1) + kappa_j (g_(j−1) − g_(j−2)) + h mu_j f(g_(j−1)),   j = 1 … recurrence,
+// followed by stages that give the order and the factor w (Abdulle, Fourth order Chebyshev methods with recurrence relation, SIAM J. Sci.
+// Comput. 23, 2002; Abdulle, Medovikov, Second order Chebyshev methods based on orthogonal polynomials, Numer. Math. 90, 2001).
+#pragma once
+
+#include "runtime/integrate/element_method.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace tf::runtime {
+
+struct StabilisedTableau {
+  int stages = 0;                       // evaluations of a step, the one at its end too
+  double border = 0;                    // of stability on the negative real axis, with some damping but near zero
+  std::vector<double> mu, kappa, node;  // of g_1, g_2, …; node: its time in parts of the step, which is for the family to fill in
+};
+
+// mu and kappa of `count` polynomials with P(0) = 1; `w` is the positive factor.
+void makeRecurrence(int count, double begin, double border, const std::function<double(double)> &w, StabilisedTableau &tableau);
+
+// Of tableaus by growing number of stages, the first that is stable for real eigenvalues λ with −border ≤ h λ ≤ 0; the last where none is.
+template <class Tableau> const Tableau &tableauFor(double border, const std::vector<Tableau> &all) {
+  const auto first = std::find_if(all.begin(), all.end(), [border](const Tableau &tableau) { return tableau.border >= border; });
+  return first != all.end() ? *first : all.back();
+}
+
+class StabilisedMethod : public ElementMethod {
+public:
+  // h times the spectral radius, at most: that of the tableau with the most stages.
+  [[nodiscard]] virtual double border() const = 0;
+  // At the most, of the elements to come; steps are as long as border()/radius at the most.
+  void setRadius(double radius) { radius_ = radius; }
+
+  void restart() override {}
+  // From both ends.
+  void interpolate(double theta, double *y) const override;
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return largestError(scale) / tolerance; }
+  // Beyond it implicit methods take fewer evaluations (measured on stiff springs and dampers, at tolerances from 1e-3 to 1e-8).
+  [[nodiscard]] double stabilityRatio() const override { return h_ * radius_ / implicitBorder; }
+
+protected:
+  // Of coordinates whose derivatives are the velocities: with the second derivatives (StepEnds), whose polynomial has velocities of its own
+  // that are off by the coordinate's error at the end divided by the step, or without.
+  enum class Inside : std::uint8_t { Quintic, Cubic };
+  // `lastStages`: those behind the recurrence.
+  StabilisedMethod(int size, int lastStages, Inside inside);
+
+  void beginElement(ModeDynamics &dynamics, const double *y0, const double *f0, double h);
+  // The last g and the rate at the one before it.
+  bool solveRecurrence(ModeDynamics &dynamics, double t0, const StabilisedTableau &tableau);
+  // Where the state differs by `change` from that at the begin.
+  bool evaluate(ModeDynamics &dynamics, double time, const double *change, double *rate);
+  // Rates at last stage number s.
+  [[nodiscard]] double *stage(std::size_t s) { return stages_.data() + s * n_; }
+
+  double radius_ = 0;
+  double h_ = 0;
+  std::vector<double> begin_, last_, next_;  // the state at the begin; g less that
+  std::vector<double> lastRate_;             // at the last g but one
+
+private:
+  static constexpr double implicitBorder = 300;
+
+  std::vector<double> beginRate_, before_, stages_, point_;
+  Inside inside_;
+  int integrals_ = 0;  // of StepEnds
+};
+
+}  // namespace tf::runtime
