@@ -17,14 +17,7 @@ bool Rock2::solveLast(ModeDynamics &dynamics, double t0) {
     end_[i] = begin_[i] + (last_[i] + h_ * (t.result[0] * first[i] + t.result[1] * second[i]));
     error_[i] = h_ * (t.error[0] * lastRate_[i] + t.error[1] * first[i] + t.error[2] * second[i]);
   }
-  return dynamics.evaluate(t0 + h_, end_.data(), endRate_.data());
-}
-
-bool Rock2::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
-                  double /*accuracy*/) {
-  tableau_ = &tableauFor(h * radius_, rock2Tableaus());
-  beginElement(dynamics, y0, f0, h);
-  return solveRecurrence(dynamics, t0, *tableau_) && solveLast(dynamics, t0);
+  return true;
 }
 
 }  // namespace tf::runtime

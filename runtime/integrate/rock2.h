@@ -12,13 +12,11 @@ public:
   explicit Rock2(int size);
 
   [[nodiscard]] double border() const override { return rock2Tableaus().back().border; }
-  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
-             double accuracy) override;
   [[nodiscard]] double errorOrder() const override { return 3; }
-  [[nodiscard]] int interiorStages() const override { return tableau_->stages - 1; }
 
 private:
-  bool solveLast(ModeDynamics &dynamics, double t0);
+  const StabilisedTableau &chooseTableau(double border) override { return *(tableau_ = &tableauFor(border, rock2Tableaus())); }
+  bool solveLast(ModeDynamics &dynamics, double t0) override;
 
   const Rock2Tableau *tableau_ = nullptr;
 };

@@ -88,13 +88,7 @@ Rock2Tableau makeTableau(const StabilityPolynomial &polynomial) {
 }  // namespace
 
 const std::vector<Rock2Tableau> &rock2Tableaus() {
-  static const std::vector<Rock2Tableau> tableaus = [] {
-    std::vector<Rock2Tableau> all;
-    all.reserve(std::size(polynomials));
-    for (const StabilityPolynomial &polynomial : polynomials)
-      all.push_back(makeTableau(polynomial));
-    return all;
-  }();
+  static const std::vector<Rock2Tableau> tableaus = makeTableaus(polynomials, makeTableau);
   return tableaus;
 }
 

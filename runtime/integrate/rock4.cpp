@@ -22,15 +22,6 @@ bool Rock4::solveLast(ModeDynamics &dynamics, double t0) {
       sum += t.result[j] * stage(j)[i];
     end_[i] = begin_[i] + (last_[i] + h_ * sum);
   }
-  return dynamics.evaluate(t0 + h_, end_.data(), endRate_.data());
-}
-
-bool Rock4::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
-                  double /*accuracy*/) {
-  tableau_ = &tableauFor(h * radius_, rock4Tableaus());
-  beginElement(dynamics, y0, f0, h);
-  if (!solveRecurrence(dynamics, t0, *tableau_) || !solveLast(dynamics, t0))
-    return false;
   estimateError();
   return true;
 }

@@ -185,13 +185,7 @@ Rock4Tableau makeTableau(const StabilityPolynomial &polynomial) {
 }  // namespace
 
 const std::vector<Rock4Tableau> &rock4Tableaus() {
-  static const std::vector<Rock4Tableau> tableaus = [] {
-    std::vector<Rock4Tableau> all;
-    all.reserve(std::size(polynomials));
-    for (const StabilityPolynomial &polynomial : polynomials)
-      all.push_back(makeTableau(polynomial));
-    return all;
-  }();
+  static const std::vector<Rock4Tableau> tableaus = makeTableaus(polynomials, makeTableau);
   return tableaus;
 }
 

@@ -37,14 +37,18 @@ void makeRecurrence(int count, double begin, double border, const std::function<
 
 StabilisedMethod::StabilisedMethod(int size, int lastStages, Inside inside)
     : ElementMethod(size), begin_(size), last_(size), next_(size), beginRate_(size), before_(size),
-      stages_(static_cast<std::size_t>(size) * lastStages), point_(size), inside_(inside) {}
+      rates_(static_cast<std::size_t>(size) * lastStages), point_(size), inside_(inside) {}
 
-void StabilisedMethod::beginElement(ModeDynamics &dynamics, const double *y0, const double *f0, double h) {
+bool StabilisedMethod::solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double * /*scale*/,
+                             double /*accuracy*/) {
   const tf_model &model = dynamics.model().model();
   integrals_ = inside_ == Inside::Quintic && model.kinematics == nullptr ? model.nq : 0;
   h_ = h;
   std::copy_n(y0, n_, begin_.begin());
   std::copy_n(f0, n_, beginRate_.begin());
+  const StabilisedTableau &tableau = chooseTableau(h * radius_);
+  stages_ = tableau.stages;
+  return solveRecurrence(dynamics, t0, tableau) && solveLast(dynamics, t0) && dynamics.evaluate(t0 + h, end_.data(), endRate_.data());
 }
 
 bool StabilisedMethod::evaluate(ModeDynamics &dynamics, double time, const double *change, double *rate) {
@@ -53,6 +57,7 @@ bool StabilisedMethod::evaluate(ModeDynamics &dynamics, double time, const doubl
   return dynamics.evaluate(time, point_.data(), rate);
 }
 
+// The last g and the rate at the one before it.
 bool StabilisedMethod::solveRecurrence(ModeDynamics &dynamics, double t0, const StabilisedTableau &tableau) {
   for (int i = 0; i < n_; ++i) {
     before_[i] = 0;

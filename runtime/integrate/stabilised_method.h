@@ -11,8 +11,11 @@
 
 #include "runtime/integrate/element_method.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <iterator>
 #include <vector>
 
 namespace tf::runtime {
@@ -23,8 +26,18 @@ struct StabilisedTableau {
   std::vector<double> mu, kappa, node;  // of g_1, g_2, …; node: its time in parts of the step, which is for the family to fill in
 };
 
-// mu and kappa of `count` polynomials with P(0) = 1; `w` is the positive factor.
+// mu and kappa of `count` polynomials with P(0) = 1 into the tableau; `w` is the positive factor (its scale does not matter), 0 < begin <
+// border.
 void makeRecurrence(int count, double begin, double border, const std::function<double(double)> &w, StabilisedTableau &tableau);
+
+// A family, out of the table of its stability polynomials.
+template <class Tableau, class Polynomial, std::size_t count>
+std::vector<Tableau> makeTableaus(const Polynomial (&polynomials)[count], Tableau (*make)(const Polynomial &)) {
+  std::vector<Tableau> all;
+  all.reserve(count);
+  std::transform(polynomials, polynomials + count, std::back_inserter(all), make);
+  return all;
+}
 
 // Of tableaus by growing number of stages, the first that is stable for real eigenvalues λ with −border ≤ h λ ≤ 0; the last where none is.
 template <class Tableau> const Tableau &tableauFor(double border, const std::vector<Tableau> &all) {
@@ -40,10 +53,14 @@ public:
   void setRadius(double radius) { radius_ = radius; }
 
   void restart() override {}
+  bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
+             double accuracy) override;
+  [[nodiscard]] int interiorStages() const override { return stages_ - 1; }
   // From both ends.
   void interpolate(double theta, double *y) const override;
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return largestError(scale) / tolerance; }
-  // Beyond it implicit methods take fewer evaluations (measured on stiff springs and dampers, at tolerances from 1e-3 to 1e-8).
+  // Beyond it implicit methods take fewer evaluations (measured with ROCK4 on stiff springs and dampers, at tolerances from 1e-3 to
+  // 1e-8).
   [[nodiscard]] double stabilityRatio() const override { return h_ * radius_ / implicitBorder; }
 
 protected:
@@ -53,23 +70,27 @@ protected:
   // `lastStages`: those behind the recurrence.
   StabilisedMethod(int size, int lastStages, Inside inside);
 
-  void beginElement(ModeDynamics &dynamics, const double *y0, const double *f0, double h);
-  // The last g and the rate at the one before it.
-  bool solveRecurrence(ModeDynamics &dynamics, double t0, const StabilisedTableau &tableau);
+  // Of the family, with which the element is solved.
+  virtual const StabilisedTableau &chooseTableau(double border) = 0;
+  // Behind the recurrence: the last stages, the end and the error. False: as solve().
+  virtual bool solveLast(ModeDynamics &dynamics, double t0) = 0;
   // Where the state differs by `change` from that at the begin.
   bool evaluate(ModeDynamics &dynamics, double time, const double *change, double *rate);
   // Rates at last stage number s.
-  [[nodiscard]] double *stage(std::size_t s) { return stages_.data() + s * n_; }
+  [[nodiscard]] double *stage(std::size_t s) { return rates_.data() + s * n_; }
 
-  double radius_ = 0;
   double h_ = 0;
-  std::vector<double> begin_, last_, next_;  // the state at the begin; g less that
+  std::vector<double> begin_, last_, next_;  // the state at the begin; the last g, and room for another one, less that
   std::vector<double> lastRate_;             // at the last g but one
 
 private:
   static constexpr double implicitBorder = 300;
 
-  std::vector<double> beginRate_, before_, stages_, point_;
+  bool solveRecurrence(ModeDynamics &dynamics, double t0, const StabilisedTableau &tableau);
+
+  std::vector<double> beginRate_, before_, rates_, point_;
+  int stages_ = 0;  // of the last element
+  double radius_ = 0;
   Inside inside_;
   int integrals_ = 0;  // of StepEnds
 };

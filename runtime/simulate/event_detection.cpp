@@ -112,20 +112,6 @@ bool EventDetection::isArmedNow(int guard) const {
   return std::any_of(armedNow_.begin(), armedNow_.end(), [guard](const auto &other) { return other.first == guard; });
 }
 
-// As before the step.
-void EventDetection::disarm(int guard) {
-  for (const auto &[k, armed] : armedNow_)
-    if (k == guard)
-      starts_[k].armed = armed;
-}
-
-// The step is to end with this guard: where the others have been positive may be later.
-void EventDetection::disarmOthers(int guard) {
-  for (const auto &[k, armed] : armedNow_)
-    if (k != guard)
-      starts_[k].armed = armed;
-}
-
 void EventDetection::readGuards(double time, Sample &sample) {
   sample.time = time;
   sample.value.resize(dynamics_.guards().size());
@@ -627,8 +613,9 @@ DetectedEvent EventDetection::search() {
     examineVarying(first);
   if (!held_.empty() && first.guard < 0)
     examineHeld(first);
+  // The step is to end with this guard: where the others have been positive may be later.
   if (first.guard >= 0)
-    disarmOthers(first.guard);
+    disarm([&first](int k) { return k != first.guard; });
   return first;
 }
 

@@ -152,9 +152,14 @@ private:
   [[nodiscard]] static Start openStart(double time) { return {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0}; }
   // The guard has been clearly positive, at a time of the step.
   void arm(int guard);
+  // By the last search, in a step at whose begin it was not.
   [[nodiscard]] bool isArmedNow(int guard) const;
-  void disarm(int guard);
-  void disarmOthers(int guard);
+  // Of the guards that are armed now, those that are wanted become what they were before the step.
+  template <class Wanted> void disarm(const Wanted &wanted) {
+    for (const auto &[k, armed] : armedNow_)
+      if (wanted(k))
+        starts_[k].armed = armed;
+  }
   [[nodiscard]] bool hasJustBegun(int guard, double value) const;
   std::vector<Start> starts_, resumed_;           // of the guards in awake_
   std::vector<std::pair<int, Arming>> armedNow_;  // in the search, and how they were before

@@ -53,7 +53,7 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
         return Location::Unsolved;
       slope = dynamics_.slipRate(guard);
       if (slope >= 0) {
-        disarm(guard);
+        disarm([guard](int other) { return other == guard; });
         event.time = x;
         return Location::Vanished;
       }
@@ -78,7 +78,8 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
   return Location::Found;
 }
 
-// A slip that has not left zero before the step, and has gone beyond it or, seen by the step that ends there, has not come out of it.
+// A slip that has not left zero before the step: it has by now, or it was the interpolant's error that left it, while the step that ends
+// here is still on the other side.
 bool EventDetection::hasJustBegun(int guard, double value) const {
   return starts_[guard].armed == Arming::Not ? value > 0 : value < 0 && isArmedNow(guard);
 }

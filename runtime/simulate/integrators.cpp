@@ -32,15 +32,16 @@ std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings
     return std::make_unique<DormandPrince>(size);
   if (settings.tolerance <= tight && !slipsTurn)
     return std::make_unique<DormandPrince8>(size);
+  const bool isHigh = settings.tolerance <= loose && !slipsTurn;
   std::unique_ptr<ExplicitMethod> pair, low;
-  if (settings.tolerance > loose || slipsTurn)
-    pair = std::make_unique<DormandPrince>(size);
-  else
+  if (isHigh) {
     pair = std::make_unique<DormandPrince8>(size);
-  if (settings.tolerance > veryLoose && !slipsTurn)
-    low = std::make_unique<BogackiShampine>(size);
-  else if (settings.tolerance <= loose && !slipsTurn)
     low = std::make_unique<DormandPrince>(size);
+  } else {
+    pair = std::make_unique<DormandPrince>(size);
+    if (settings.tolerance > veryLoose && !slipsTurn)
+      low = std::make_unique<BogackiShampine>(size);
+  }
   std::unique_ptr<StabilisedMethod> stabilised;
   if (settings.tolerance > ofRock2)
     stabilised = std::make_unique<Rock2>(size);
