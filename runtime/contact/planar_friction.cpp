@@ -280,17 +280,19 @@ PlanarFrictionSolution::Status PlanarFrictionSolver::search(const PlanarFriction
   const bool few = modeCount() <= enumerationLimit;
   const bool single = few && isUnique(wanted);
   path_ = Path::Previous;
+  Equations ofPrevious = Equations::Unknown;
   if (previous != nullptr && (!few || single)) {
     trial_.mode = *previous;
     completeMode(trial_.mode);
-    if (evaluate(trial_) && trial_.violation <= tolerance_ && (few || stable(trial_.mode))) {
+    ofPrevious = evaluate(trial_) ? Equations::Regular : Equations::Singular;
+    if (ofPrevious == Equations::Regular && trial_.violation <= tolerance_ && (few || stable(trial_.mode))) {
       std::swap(best_, trial_);
       return Status::Solved;
     }
   }
   if (!few) {
     path_ = Path::ActiveSet;
-    if (activeSet(previous))
+    if (activeSet(previous, ofPrevious))
       return Status::Solved;
     path_ = Path::Pivoting;
     if (pivot())

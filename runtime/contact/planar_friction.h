@@ -92,6 +92,9 @@ private:
     int pushing = 0, changes = 0;
   };
 
+  // Of a mode.
+  enum class Equations : std::uint8_t { Unknown, Regular, Singular };
+
   void scale();
   [[nodiscard]] double limit(int j, const std::vector<double> &force) const;
   [[nodiscard]] bool carriesForce(int j, const PlanarFrictionMode &mode) const;
@@ -113,7 +116,7 @@ private:
   bool evaluateRedundant(Candidate &candidate);
   bool updateMode(Candidate &candidate) const;
   bool accept();
-  bool activeSet(const PlanarFrictionMode *start);
+  bool activeSet(const PlanarFrictionMode *start, Equations known);
   bool pivot();
   int assignVariables();
   void buildTransfer(int variables);

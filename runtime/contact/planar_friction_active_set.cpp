@@ -108,17 +108,17 @@ bool PlanarFrictionSolver::accept() {
   return true;
 }
 
-bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start) {
-  const int n = scaled_.normalCount;
-  trial_.mode.normal.resize(n);
-  trial_.mode.slip.assign(scaled_.tangentCount, 0);
-  if (start != nullptr) {
+// `known`: of the start, where it is the mode of trial_, completed, and evaluate() was last called with it.
+bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start, Equations known) {
+  if (known == Equations::Unknown && start != nullptr) {
     trial_.mode.normal = start->normal;
     trial_.mode.slip = start->slip;
-  } else {
+  } else if (known == Equations::Unknown) {
     // Contacts at rest in an impact (φ = 0) are pressed by one another: of a row of open ones each iteration would close the next one only.
-    for (int i = 0; i < n; ++i)
+    trial_.mode.normal.resize(scaled_.normalCount);
+    for (int i = 0; i < scaled_.normalCount; ++i)
       trial_.mode.normal[i] = scaled_.bias[i] <= 0 ? NormalState::Active : NormalState::Off;
+    trial_.mode.slip.assign(scaled_.tangentCount, 0);
   }
   for (int iteration = 0; iteration < iterationLimit; ++iteration) {
     completeMode(trial_.mode);
@@ -128,8 +128,11 @@ bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start) {
       return false;
     if ((iteration & (iteration - 1)) == 0)
       returning_ = trial_.mode;
-    if (!evaluate(trial_) && !evaluateRedundant(trial_))
+    if (known == Equations::Unknown)
+      known = evaluate(trial_) ? Equations::Regular : Equations::Singular;
+    if (known == Equations::Singular && !evaluateRedundant(trial_))
       return false;
+    known = Equations::Unknown;
     if (trial_.violation <= 10 * roundingError)
       return accept();
     if (!updateMode(trial_))

@@ -245,7 +245,10 @@ bool LinkedForces::solve(const ModelEvaluation &at, const RowSystem &rows, const
   unknownForce_.resize(sets_.size());
   for (std::size_t s = 0; s < sets_.size(); ++s)
     bias_[s] = rows.modelBias(at, sets_[s].equation);
-  return system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data());
+  // Well below what shows: of small tolerances rounding is not far from it.
+  constexpr double part = 1e-5;
+  return system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data(),
+                       std::max(SemiseparableSystem::rounding, part * forceError_));
 }
 
 bool LinkedForces::evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration,
