@@ -134,6 +134,15 @@ tf_status requireIdle(const tf_simulation *simulation, const Content &content) {
   if (const tf_status status_ = (expression); status_ != TF_OK)                                                                            \
   return status_
 
+// There is a current point, not behind `time`.
+tf_status requireEarlier(const tf_simulation *simulation, const Content &content, double time) {
+  TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
+  TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
+  if (!std::isfinite(time) || time < content.simulation->time())
+    return bad(simulation, fmt::format("cannot step to time {}: the simulation is at {}", time, content.simulation->time()));
+  return TF_OK;
+}
+
 // The input called `name`, or an error.
 tf_status findInput(const tf_simulation *simulation, const Content &content, const char *name, ModelInstance::Reference &input) {
   if (name == nullptr)
@@ -461,11 +470,31 @@ tf_status tf_initialise(tf_simulation *simulation, double start_time) {
 
 tf_status tf_step(tf_simulation *simulation, double time) {
   return guarded(simulation, [&](Content &content) {
-    TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
-    TF_RETURN_UNLESS_OK(requireIdle(simulation, content));
-    if (!std::isfinite(time) || time < content.simulation->time())
-      return bad(simulation, fmt::format("cannot step to time {}: the simulation is at {}", time, content.simulation->time()));
+    TF_RETURN_UNLESS_OK(requireEarlier(simulation, content, time));
     return run(simulation, content, Phase::Ready, [&](Simulation &running) { return running.advanceTo(time); });
+  });
+}
+
+tf_status tf_run(tf_simulation *simulation, double end, double first_sample, tf_sample_callback callback, void *data) {
+  return guarded(simulation, [&](Content &content) {
+    TF_RETURN_UNLESS_OK(requireEarlier(simulation, content, end));
+    if (callback == nullptr)
+      return bad(simulation, "a callback for the samples is missing");
+    if (!(first_sample >= content.simulation->time()))
+      return bad(simulation,
+                 fmt::format("cannot take a sample at time {}: the simulation is at {}", first_sample, content.simulation->time()));
+    std::string refused;
+    content.simulation->onSample = [&](double time) {
+      content.valuesAreCurrent = false;
+      const double next = callback(data, time);
+      if (!(next <= time))
+        return next;
+      refused = fmt::format("cannot take a sample at time {} after that at {}", next, time);
+      return notAValue;
+    };
+    const tf_status status =
+        run(simulation, content, Phase::Ready, [&](Simulation &running) { return running.advanceTo(end, first_sample); });
+    return refused.empty() ? status : bad(simulation, std::move(refused));
   });
 }
 

@@ -70,9 +70,9 @@ typedef struct tf_statistics {
   long long stiff_changes, failure_changes, launch_changes, bounce_changes;
   double worst_residual;        /* of all contact problems at acceleration level, relative to their scale */
   double worst_impact_residual; /* of all impacts, relative to the largest velocity, at least 1 */
-  /* Over outputs, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without contacts), largest residual of
-   * a constraint or of its rate, largest error of the energy balance relative to the largest energy, or to that which has
-   * passed through the system; and where and when. */
+  /* Over outputs and steps with samples, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without
+   * contacts), largest residual of a constraint or of its rate, largest error of the energy balance relative to the largest energy, or to
+   * that which has passed through the system; and where and when. */
   double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;
   double worst_gap_time, worst_normal_force_time, worst_constraint_time, worst_energy_error_time;
   int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;
@@ -140,6 +140,12 @@ tf_status tf_set_note_callback(tf_simulation *simulation, tf_note_callback callb
 tf_status tf_initialise(tf_simulation *simulation, double start_time);
 /* Advances to `time` exactly; on failure the state is that of the last good point (tf_time). */
 tf_status tf_step(tf_simulation *simulation, double time);
+/* As tf_step to `end`; on the way `callback` is called at samples, which end no step: their values are those inside it, to the tolerance.
+ * The first one is at `first_sample` >= tf_time; each call gives the time of the next one, which is later (infinity: no more; not a number:
+ * the run ends behind the sample, TF_TERMINATED). Samples at `end` and behind it are not taken; one at the time of an event comes after the
+ * event. The callback can read the values of its sample. */
+typedef double (*tf_sample_callback)(void *data, double time);
+tf_status tf_run(tf_simulation *simulation, double end, double first_sample, tf_sample_callback callback, void *data);
 double tf_time(const tf_simulation *simulation);
 
 /* Value of variable number `index` at the current point; tf_get_all: all of model->variables, in order. */

@@ -118,7 +118,7 @@ void checkVariables(const tf_model &model, const RunOptions &options, Session &s
 class Run {
 public:
   Run(PreparedModel &prepared, const RunOptions &options, const Grid &grid, ResultRows &rows, Session &session)
-      : simulation_(prepared.simulation.get()), options_(options), grid_(grid), rows_(rows), session_(session) {
+      : simulation_(prepared.simulation.get()), grid_(grid), rows_(rows), session_(session), isQuiet_(options.quiet) {
     report_.simulation = simulation_;
     report_.startTime = grid.span.start;
     report_.origin = prepared.origin;
@@ -165,28 +165,31 @@ private:
   }
 
   tf_status advance() {
-    Progress progress(!options_.quiet, grid_.span.start, grid_.span.stop);
-    for (long long k = 1; k <= grid_.count && rows_.error().empty(); ++k) {
-      const tf_status status = tf_step(simulation_, grid_.point(k));
-      if (status == TF_BAD_ARGUMENT || status == TF_FAILED) {
-        rows_.point();  // the last good point
-        return status;
-      }
-      rows_.point();
-      progress.at(grid_.point(k));
-      if (status == TF_TERMINATED)
-        return status;
-    }
-    return TF_OK;
+    if (grid_.count == 0)
+      return TF_OK;
+    progress_.emplace(!isQuiet_, grid_.span.start, grid_.span.stop);
+    const auto sample = [](void *run, double time) { return static_cast<Run *>(run)->sample(time); };
+    const tf_status status = tf_run(simulation_, grid_.span.stop, grid_.point(++row_), sample, this);
+    rows_.point();  // the end, or the last good point
+    progress_.reset();
+    return rows_.error().empty() ? status : TF_OK;
+  }
+
+  // Gives the time of the next row. Where no row can be written any more the run ends.
+  double sample(double time) {
+    rows_.point();
+    progress_->at(time);
+    return rows_.error().empty() ? grid_.point(++row_) : std::numeric_limits<double>::quiet_NaN();
   }
 
   tf_simulation *simulation_;
-  const RunOptions &options_;
   const Grid &grid_;
   ResultRows &rows_;
   Session &session_;
   SummaryInput report_;
-  bool hasStarted_ = false;
+  std::optional<Progress> progress_;
+  long long row_ = 0;
+  bool isQuiet_ = false, hasStarted_ = false;
 };
 
 }  // namespace

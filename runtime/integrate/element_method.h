@@ -27,6 +27,8 @@ public:
                      double accuracy) = 0;
   // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element. The dynamics' last evaluation is as before, or at the end of the element.
   virtual void interpolate(double theta, double *y) const = 0;
+  // The error of interpolate() is a few tolerances at most where that of the end is within one.
+  [[nodiscard]] virtual bool holdsToleranceInside() const { return true; }
   // The next interpolate() evaluates the dynamics.
   [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
   // The last element becomes the past that starting values are taken from.

@@ -49,6 +49,8 @@ public:
   virtual bool isResolved() { return true; }
   // State inside the last step, or beyond its end by at most reach() of its length.
   virtual void interpolate(double time, double *state) = 0;
+  // What is inside the step is as near the solution as its end, up to a few tolerances.
+  [[nodiscard]] virtual bool holdsToleranceInside() const { return true; }
   // It evaluates the dynamics the next time.
   [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
   // The same from the states and rates at both ends alone (StepEnds): no evaluation, but the error is no part of the step's.

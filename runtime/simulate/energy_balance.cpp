@@ -8,9 +8,11 @@ namespace tf::runtime {
 
 namespace {
 
-// Gauss–Legendre quadrature with four points on [0, 1], order 8.
+// Gauss–Legendre quadrature on [0, 1] with four points, order 8, and with two, order 4.
 constexpr std::array<double, 4> legendreNodes = {0.069431844202973712, 0.330009478207571868, 0.669990521792428132, 0.930568155797026288};
 constexpr std::array<double, 4> legendreWeights = {0.173927422568726929, 0.326072577431273071, 0.326072577431273071, 0.173927422568726929};
+constexpr std::array<double, 2> shortNodes = {0.211324865405187118, 0.788675134594812882};
+constexpr std::array<double, 2> shortWeights = {0.5, 0.5};
 
 }  // namespace
 
@@ -55,6 +57,16 @@ EnergyBalance::Passage EnergyBalance::integrate(SmoothIntegrator &integrator, co
   return sum;
 }
 
+// The ends of the step have been projected, the interpolant has not.
+EnergyBalance::Energy EnergyBalance::energyInside(SmoothIntegrator &integrator, double time) {
+  if (time == integrator.beginTime())
+    return energyAt(time, integrator.begin());
+  if (time == integrator.endTime())
+    return energyAt(time, integrator.end());
+  integrator.interpolate(time, state_.data());
+  return energyAt(time, state_.data());
+}
+
 // By halves, until they agree with the whole.
 EnergyBalance::Passage EnergyBalance::refine(SmoothIntegrator &integrator, const Passage &whole, double begin, double length,
                                              double accepted, int depth) {
@@ -73,20 +85,23 @@ EnergyBalance::Passage EnergyBalance::refine(SmoothIntegrator &integrator, const
 
 // What moves without any effect on the state, as a body whose position is a function of time, has no part in the error of the step: where
 // the integrals do not explain how the energy has changed they need more points.
-void EnergyBalance::addStep(SmoothIntegrator &integrator) {
+void EnergyBalance::addStep(SmoothIntegrator &integrator, double begin, double end) {
   constexpr double part = 1e-3;  // of the tolerance
   constexpr double clear = 100;  // what is less is the error of the step itself
   constexpr int deepest = 12;
-  const double begin = integrator.beginTime(), length = integrator.endTime() - begin;
+  const double length = end - begin;
+  const bool isWhole = begin == integrator.beginTime() && end == integrator.endTime();
   // Between the stages of a method that follows a slip of two components from zero its direction, out of small differences, is poor.
   const Quadrature stages = integrator.quadrature();
-  const bool usesStages = dynamics_.hasTurningSlips() && !stages.nodes.empty();
-  const Quadrature rule = usesStages ? stages : Quadrature{legendreNodes, legendreWeights};
+  const bool usesStages = isWhole && dynamics_.hasTurningSlips() && !stages.nodes.empty();
+  // Of a small part; its energies tell whether that was enough.
+  const bool isShort = length < 0.5 * (integrator.endTime() - integrator.beginTime());
+  const Quadrature rule = usesStages ? stages : isShort ? Quadrature{shortNodes, shortWeights} : Quadrature{legendreNodes, legendreWeights};
   Passage passage = integrate(integrator, rule, begin, length);
   if (passage.known < 1 - *std::min_element(rule.weights.begin(), rule.weights.end()) / 2) {
     totals_.estimatedTime += length;
   } else if (!usesStages) {
-    const double change = energyAt(integrator.endTime(), integrator.end()).mechanical() - energyAt(begin, integrator.begin()).mechanical();
+    const double change = energyInside(integrator, end).mechanical() - energyInside(integrator, begin).mechanical();
     const double accepted = part * integrator.settings().tolerance * std::max(totals_.largest, totals_.passed);
     if (std::abs(passage.work - passage.frictionLoss - change) > clear * accepted)
       passage = refine(integrator, passage, begin, length, accepted, deepest);

@@ -27,8 +27,9 @@ public:
 
   // The run begins at (time, state).
   void start(double time, const double *state);
-  // Adds the integrals over the integrator's last step; the dynamics is left at a point inside it.
-  void addStep(SmoothIntegrator &integrator);
+  // Adds the integrals over a part of the integrator's last step, from where the last part ended; the dynamics is left at a point inside
+  // it.
+  void addStep(SmoothIntegrator &integrator, double begin, double end);
   // Adds an impact from the velocities in `before` to those in `after`, with the work of moving boundaries on its rows.
   void addImpact(double time, const double *before, const double *after, double boundaryWork);
 
@@ -60,6 +61,7 @@ private:
   };
 
   void note(const Energy &energy);
+  Energy energyInside(SmoothIntegrator &integrator, double time);
   double reversed(double time, const double *state);
   Passage integrate(SmoothIntegrator &integrator, const Quadrature &rule, double begin, double length);
   Passage refine(SmoothIntegrator &integrator, const Passage &whole, double begin, double length, double accepted, int depth);

@@ -303,14 +303,14 @@ double Sensitivities::nextPiece(double length, double error, double jump) {
   return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longest);
 }
 
-bool Sensitivities::addStep(SmoothIntegrator &integrator) {
+bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end) {
   // Of oscillations both methods' errors have the same sign, and their difference is a fifth of them.
   constexpr double likeness = 5, smallest = 1e-8;
   // A jump is found in fewer divisions; what goes on jumping is rounding.
   constexpr int mostDivisions = 100;
   // More attempts at pieces of a step are no progress: differences of the rate are not as exact as the tolerance asks for.
   constexpr int mostAttempts = 20000;
-  const double h = integrator.endTime() - integrator.beginTime();
+  const double h = end - begin;
   if (!(h > 0) || columns_.empty() || n_ == 0)
     return true;
   const IntegratorSettings &settings = integrator.settings();
@@ -322,8 +322,8 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
   largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   begin_.isKnown = end_.isKnown = false;
   if (watchesJumps)
-    sampleBorder(integrator, integrator.beginTime(), begin_);
-  for (double time = integrator.beginTime(), left = h; left > 0; left = integrator.endTime() - time) {
+    sampleBorder(integrator, begin, begin_);
+  for (double time = begin, left = h; left > 0; left = end - time) {
     double length = isControlled && piece_ > 0 && piece_ < left ? piece_ : left;
     while (true) {
       if (++attempts > mostAttempts || !sample(integrator, time, length))
@@ -349,7 +349,7 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator) {
       divisions += jump > 1 ? 1 : 0;
       watchesJumps = watchesJumps && divisions < mostDivisions;
     }
-    time = length < left ? time + length : integrator.endTime();
+    time = length < left ? time + length : end;
     std::swap(matrix_, next_);
     std::swap(begin_, end_);
     largest_ = largest_.cwiseMax(matrix_.cwiseAbs());

@@ -33,8 +33,9 @@ public:
 
   // S = ∂(starts)/∂θ.
   void start(double time);
-  // S over the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be evaluated.
-  bool addStep(SmoothIntegrator &integrator);
+  // S over a part of the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be
+  // evaluated.
+  bool addStep(SmoothIntegrator &integrator, double begin, double end);
   // An event at (time, state) with rate f⁻: at the common zero of `guards` (one at least) of the dynamics' mode. Events
   // at times that do not depend on θ need no such call.
   EventDerivative beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards);

@@ -289,14 +289,11 @@ tf_status Simulation::Implementation::commit() {
   if (dynamics_.metNegativeFriction())
     if (const tf_status status = checkFriction(); status != TF_OK)
       return status;
-  if (energy_)
-    energy_->addStep(integrator);
-  bool differentiated = true;
-  if (sensitivities_) {
-    // Directions that are held where a slip stops do not turn for motions nearby, whose slips do.
+  const bool isSampled = nextSample_ < integrator.endTime();
+  // Directions that are held where a slip stops do not turn for motions nearby, whose slips do.
+  if (sensitivities_)
     dynamics_.holdDirections(0);
-    differentiated = sensitivities_->addStep(integrator);
-  }
+  const bool differentiated = passSamples();
   const double begin = time_;
   if (const std::string text = integrators_.account(integrator.endTime() - begin, statistics_); !text.empty())
     note(TF_NOTE_INTEGRATOR, begin, text);
@@ -305,7 +302,7 @@ tf_status Simulation::Implementation::commit() {
   std::copy_n(integrator.endRate(), n_, rate_.begin());
   if (!detection_.isCut())
     suggestedStep_ = integrators_.primaryIsCurrent() ? integrator.suggestedStep() : 0;
-  if (energy_ && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+  if ((energy_ || isSampled) && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     observeInvariants(false);
   if (!differentiated)
     return failSensitivities(
@@ -347,13 +344,15 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
-  StepStatus status = integrators_.current().step(detection_.stepLimit(limit));
+  // Where the interpolant is worse than the step, this ends at the sample.
+  const double farthest = integrators_.current().holdsToleranceInside() ? limit : std::min(limit, nextSample_);
+  StepStatus status = integrators_.current().step(detection_.stepLimit(farthest));
   if (const int guard = status != StepStatus::Done ? switchAhead() : -1; guard >= 0)
     return passSwitch(guard, limit);
   if (SmoothIntegrator *other = status != StepStatus::Done ? integrators_.afterFailure() : nullptr; other != nullptr) {
     if (!takeOver(*other, IntegratorReason::Failure))
       return failEvaluation();
-    status = other->step(limit);
+    status = other->step(other->holdsToleranceInside() ? limit : std::min(limit, nextSample_));
   }
   if (status != StepStatus::Done)
     return failStep(status);
@@ -381,14 +380,19 @@ tf_status Simulation::Implementation::step(double limit) {
   return TF_OK;
 }
 
-tf_status Simulation::Implementation::advanceTo(double time) {
+tf_status Simulation::Implementation::advanceTo(double time, double firstSample) {
   if (!modeValid_)
     return fail("the simulation has not been initialised");
+  nextSample_ = firstSample;
   if (inputs_.revision() != inputRevision_) {
     if (const tf_status status = timeEvent(); status != TF_OK)
       return status;
   }
   while (time_ < time) {
+    if (nextSample_ <= time_)
+      nextSample_ = owner_.onSample(time_);
+    if (std::isnan(nextSample_))
+      return TF_TERMINATED;
     const double breakpoint = inputs_.nextBreakpoint(time_);
     const double limit = std::min(time, breakpoint);
     if (const tf_status status = step(limit); status != TF_OK)
@@ -402,8 +406,8 @@ tf_status Simulation::Implementation::advanceTo(double time) {
 
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
-  // Where a run has failed there may be no mode that goes on, whose forces would be admissible.
-  if (error_.empty())
+  // Where a run has failed there may be no mode that goes on, whose forces would be admissible. Samples are as exact as the tolerance only.
+  if (error_.empty() && !isInSample_)
     observeInvariants(true);
 }
 
@@ -540,7 +544,9 @@ Simulation::~Simulation() = default;
 
 tf_status Simulation::initialise(double startTime) { return implementation_->initialise(startTime); }
 
-tf_status Simulation::advanceTo(double time) { return implementation_->advanceTo(time); }
+tf_status Simulation::advanceTo(double time) { return advanceTo(time, std::numeric_limits<double>::infinity()); }
+
+tf_status Simulation::advanceTo(double time, double firstSample) { return implementation_->advanceTo(time, firstSample); }
 
 double Simulation::time() const { return implementation_->time_; }
 

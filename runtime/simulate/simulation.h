@@ -35,11 +35,16 @@ public:
   SimulationOptions options;  // read by initialise
   std::function<void(const tf_event &)> onEvent;
   std::function<void(const tf_note &)> onNote;
+  // Called at a sample, whose values can be read then; gives the time of the next one, which is later; not a number: the run ends.
+  std::function<double(double)> onSample;
 
   // Evaluates the starts, resolves contacts and an impact at the start time. TF_FAILED: see errorText().
   tf_status initialise(double startTime);
   // To `time` exactly. On failure the state is that of the last good point.
   tf_status advanceTo(double time);
+  // As well, with samples from `firstSample` on, all before `time`: inside steps, on their interpolants. Where an event is at the time of a
+  // sample this comes after it.
+  tf_status advanceTo(double time, double firstSample);
 
   [[nodiscard]] double time() const;
   [[nodiscard]] double tau() const;

@@ -362,7 +362,7 @@ tf_status Simulation::Implementation::afterImpact(double limit) {
                                             integrators_.current().settings().scale.data(), sensitivities_.get());
   if (sensitivities_)
     sensitivities_->endEvent(rate_.data());
-  if (rest != nullptr && rest->time <= limit)
+  if (rest != nullptr && rest->time <= std::min(limit, nextSample_))
     return comeToRest(*rest);
   if (SmoothIntegrator *bounces = integrators_.forLowBounces(); bounces != nullptr && rest_.bouncesLow(time_)) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))

@@ -25,7 +25,7 @@ public:
   Implementation(Simulation &owner, ModelInstance &instance, InputSignals &inputs);
 
   tf_status initialise(double startTime);
-  tf_status advanceTo(double time);
+  tf_status advanceTo(double time, double firstSample);
   void values(double *all);
   bool sensitivity(int column, double *all);
   [[nodiscard]] const tf_statistics &statistics();
@@ -57,6 +57,8 @@ public:
   Mode mode_, previousMode_;
   bool modeValid_ = false;
   double suggestedStep_ = 0;
+  double nextSample_ = std::numeric_limits<double>::infinity();
+  bool isInSample_ = false;                                       // time_ and state_ are those of a sample
   double switchTime_ = -std::numeric_limits<double>::infinity();  // of the last switch
   double jamTime_ = -std::numeric_limits<double>::infinity();     // of the last contact that has jammed
   std::uint64_t inputRevision_ = 0;
@@ -81,7 +83,7 @@ public:
   std::vector<int> frozenContacts_, frozenApproaching_;
   Mode restingMode_;
   std::vector<std::uint8_t> mayStop_;  // nt: slips that may become zero after an impact
-  std::vector<double> incoming_, afterImpact_, interpolated_;
+  std::vector<double> incoming_, afterImpact_, interpolated_, sample_, sampleRate_;
 
 private:
   // Whether gaps that begin at zero have opened before: to be found out, or known from before.
@@ -123,6 +125,9 @@ private:
   void observeInvariants(bool hasAllGaps);
 
   // simulation_steps.cpp
+  bool passStep(double &begin, double end);
+  bool passSamples();
+  void giveSample(double time);
   tf_status projectEnd();
   bool isSuspicious(double correction);
   tf_status checkJump();

@@ -10,6 +10,51 @@
 
 namespace tf::runtime {
 
+// Energy and sensitivities over a part of the integrator's step, from `begin`, which becomes its end. False: they cannot be differentiated.
+bool Simulation::Implementation::passStep(double &begin, double end) {
+  SmoothIntegrator &integrator = integrators_.current();
+  if (energy_)
+    energy_->addStep(integrator, begin, end);
+  const bool differentiated = !sensitivities_ || sensitivities_->addStep(integrator, begin, end);
+  begin = end;
+  return differentiated;
+}
+
+// All of the integrator's step, with the samples inside it. False: see passStep.
+bool Simulation::Implementation::passSamples() {
+  SmoothIntegrator &integrator = integrators_.current();
+  double passed = integrator.beginTime();
+  bool differentiated = true;
+  while (nextSample_ < integrator.endTime()) {
+    differentiated = passStep(passed, nextSample_) && differentiated;
+    giveSample(nextSample_);
+  }
+  return passStep(passed, integrator.endTime()) && differentiated;
+}
+
+// On the interpolant, projected onto what the mode holds at zero.
+void Simulation::Implementation::giveSample(double time) {
+  SmoothIntegrator &integrator = integrators_.current();
+  sample_.resize(n_);
+  sampleRate_.resize(n_);
+  integrator.interpolate(time, sample_.data());
+  if (dynamics_.needsProjection() && dynamics_.evaluate(time, sample_.data(), sampleRate_.data()))
+    dynamics_.project(time, sample_.data(), integrator.settings().scale.data());
+  // Also where the callback throws.
+  struct Exchanged {
+    Implementation &simulation;
+    double time;
+    explicit Exchanged(Implementation &own, double sample) : simulation(own), time(sample) { exchange(); }
+    ~Exchanged() { exchange(); }
+    void exchange() {
+      std::swap(time, simulation.time_);
+      simulation.state_.swap(simulation.sample_);
+      simulation.isInSample_ = !simulation.isInSample_;
+    }
+  } const atSample(*this, time);
+  nextSample_ = owner_.onSample(time);
+}
+
 // The end of the integrator's step onto what the mode holds at zero. A correction by the rows of the last evaluation leaves its product
 // with the way from there, so that large ones take several. After one that is not negligible the dynamics is evaluated at the end.
 tf_status Simulation::Implementation::projectEnd() {
@@ -102,8 +147,7 @@ tf_status Simulation::Implementation::checkFriction() {
     (negativeAt(0.5 * (low + high)).empty() ? low : high) = 0.5 * (low + high);
   const std::string text = negativeAt(high);
   if (integrator.shorten(high)) {
-    if (energy_)
-      energy_->addStep(integrator);
+    passSamples();
     time_ = high;
     std::copy_n(integrator.end(), n_, state_.begin());
   }

@@ -51,6 +51,87 @@ TEST(LibTf, SimulatesAFallWithImpact) {
   EXPECT_EQ(tf_get_statistics(particle.get())->events[TF_EVENT_IMPACT], 1);
 }
 
+// Samples of a run, at equal intervals.
+struct Sampler {
+  tf_simulation *simulation = nullptr;
+  double interval = 0;
+  std::vector<double> times = {}, heights = {};
+
+  static double take(void *data, double time) {
+    auto &own = *static_cast<Sampler *>(data);
+    double height = 0;
+    EXPECT_EQ(tf_time(own.simulation), time);
+    EXPECT_EQ(tf_get_named(own.simulation, "q[2]", &height), TF_OK);
+    EXPECT_EQ(tf_step(own.simulation, 10), TF_BAD_ARGUMENT);  // it can only read
+    own.times.push_back(time);
+    own.heights.push_back(height);
+    return own.interval * static_cast<double>(own.times.size() + 1);
+  }
+};
+
+TEST(LibTf, TakesSamplesInsideSteps) {
+  const Owned particle = create(test::particleModel());
+  Sampler samples{particle.get(), 0.125};
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  ASSERT_EQ(tf_run(particle.get(), 1, samples.interval, Sampler::take, &samples), TF_OK) << text(particle);
+  EXPECT_EQ(tf_time(particle.get()), 1);
+  ASSERT_EQ(samples.times.size(), 7U);
+  for (std::size_t k = 0; k < samples.times.size(); ++k) {
+    const double t = 0.125 * static_cast<double>(k + 1);
+    EXPECT_EQ(samples.times[k], t);
+    EXPECT_NEAR(samples.heights[k], std::max(1 - 0.5 * 9.81 * t * t, 0.0), 1e-6) << t;
+  }
+  EXPECT_LT(tf_get_statistics(particle.get())->steps, 7);
+}
+
+TEST(LibTf, TakesASampleAtAnEventAfterIt) {
+  const Owned particle = create(test::particleModel());
+  double impact = 0;
+  const auto note = [](void *data, const tf_event *event) {
+    if (event->kind == TF_EVENT_IMPACT)
+      *static_cast<double *>(data) = event->time;
+  };
+  ASSERT_EQ(tf_set_event_callback(particle.get(), note, &impact), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  ASSERT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+  ASSERT_GT(impact, 0);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  struct Sample {
+    tf_simulation *simulation;
+    double rate = -1;
+  } sample{particle.get()};
+  const auto take = [](void *data, double) {
+    auto &own = *static_cast<Sample *>(data);
+    EXPECT_EQ(tf_get_named(own.simulation, "der(q[2])", &own.rate), TF_OK);
+    return infinity;
+  };
+  ASSERT_EQ(tf_run(particle.get(), 1, impact, take, &sample), TF_OK) << text(particle);
+  EXPECT_EQ(sample.rate, 0);
+}
+
+TEST(LibTf, RefusesSamplesThatGoBack) {
+  const Owned particle = create(test::particleModel());
+  const auto back = [](void *, double time) { return time; };
+  EXPECT_EQ(tf_run(particle.get(), 1, 0.5, back, nullptr), TF_BAD_ARGUMENT);  // before the start
+  ASSERT_EQ(tf_initialise(particle.get(), 0.25), TF_OK) << text(particle);
+  EXPECT_EQ(tf_run(particle.get(), 1, 0.5, nullptr, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_run(particle.get(), 0.2, 0.5, back, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_run(particle.get(), 1, 0.2, back, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "cannot take a sample at time 0.2: the simulation is at 0.25");
+  EXPECT_EQ(tf_run(particle.get(), 1, std::nan(""), back, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_run(particle.get(), 1, 0.5, back, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "cannot take a sample at time 0.5 after that at 0.5");
+  EXPECT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+}
+
+TEST(LibTf, EndsWhereTheNextSampleIsNoNumber) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  EXPECT_EQ(tf_run(particle.get(), 1, 0.25, [](void *, double) { return std::nan(""); }, nullptr), TF_TERMINATED);
+  EXPECT_LT(tf_time(particle.get()), 0.5);  // the impact ends the step
+  EXPECT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+}
+
 TEST(LibTf, SetsParametersStartsAndInputs) {
   const Owned particle = create(test::particleModel());
   ASSERT_EQ(tf_set(particle.get(), "m", 2), TF_OK);
