@@ -1,11 +1,13 @@
 // Values of declarations and modifications: typed, projected to array elements and record fields, broadcast; constant values.
 #include "lang/semantics/components.h"
 #include "lang/semantics/diagnostics.h"
+#include "lang/semantics/quotient_note.h"
 #include "lang/semantics/records.h"
 #include "lang/semantics/typing.h"
 
 #include <algorithm>
 #include <cassert>
+#include <set>
 
 namespace tf::semantics {
 
@@ -39,7 +41,9 @@ ExprPtr typeShapedBinding(Context &context, const Binding &binding, bool isEach,
   if (value == nullptr)
     return nullptr;
   if (!isConvertible(value->type.base, base)) {
-    context.diagnostics.report(diag::BindingType, value->span, name, toString({base, {}}), toString(value->type));
+    Diagnostic &report = context.diagnostics.report(diag::BindingType, value->span, name, toString({base, {}}), toString(value->type));
+    if (base == Base::Integer)
+      noteQuotient(report, *binding.expression, *value);
     return nullptr;
   }
   if (base == Base::Real)
@@ -67,6 +71,7 @@ ExprPtr bindingOf(Context &context, Component &component) {
     const Binding &binding = *component.modifier->binding;
     const Type type = typeOf(component);
     component.binding = typeShapedBinding(context, binding, binding.isEach, type.base, type.dims, component.name);
+    component.isBindingWrong = component.binding == nullptr;
   }
   component.bindingProgress = Progress::Done;
   return component.binding;
@@ -146,6 +151,26 @@ template <class Predicate> std::optional<std::vector<double>> evaluateWith(Conte
 
 std::optional<std::vector<double>> constantValue(Context &context, const flat::Expr &expr) {
   return evaluateWith(context, expr, [](flat::VariableId) { return true; });
+}
+
+namespace {
+
+// Itself, or by the bindings of the variables that it reads.
+bool readsWrongBinding(Context &context, const flat::Expr &expr, std::set<flat::VariableId> &seen) {
+  if (expr.kind == flat::ExprKind::Variable && seen.insert(expr.variable).second) {
+    const Component &component = *context.variableOwners[static_cast<std::size_t>(expr.variable)];
+    if (component.isBindingWrong || (component.binding != nullptr && readsWrongBinding(context, *component.binding, seen)))
+      return true;
+  }
+  return std::ranges::any_of(expr.args, [&](const ExprPtr &arg) { return arg != nullptr && readsWrongBinding(context, *arg, seen); });
+}
+
+}  // namespace
+
+void reportNotConstant(Context &context, const flat::Expr &expr, Span span, std::string_view what) {
+  std::set<flat::VariableId> seen;
+  if (!readsWrongBinding(context, expr, seen))
+    context.diagnostics.report(diag::NotConstant, span, what);
 }
 
 std::optional<std::vector<double>> settledValue(Context &context, const flat::Expr &expr) {

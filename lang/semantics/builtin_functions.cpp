@@ -58,7 +58,7 @@ std::optional<int> constantSize(Typer &typer, const ExprPtr &value, std::string_
     return std::nullopt;
   const auto known = constantValue(typer.context(), *value);
   if (!known) {
-    typer.diagnostics().report(diag::NotConstant, value->span, what);
+    reportNotConstant(typer.context(), *value, value->span, what);
     return std::nullopt;
   }
   if ((*known)[0] < 0 || (*known)[0] > kMaximumArraySize) {

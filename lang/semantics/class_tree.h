@@ -139,6 +139,7 @@ struct Component {
   Progress valueProgress = Progress::Fresh;
   bool isPresent = true;        // its condition holds
   bool isFailed = false;        // an error was reported about its type or dimensions
+  bool isBindingWrong = false;  // and one about its binding
   Class *type = nullptr;        // template
   Class *leaf = nullptr;        // of a variable or element: its elaborated type
   Component *inner = nullptr;   // what an outer component stands for

@@ -4,6 +4,7 @@
 #include "lang/semantics/elaborate.h"
 #include "lang/semantics/lookup.h"
 #include "lang/semantics/modification.h"
+#include "lang/semantics/quotient_note.h"
 #include "lang/semantics/text.h"
 #include "lang/semantics/typing.h"
 
@@ -169,12 +170,12 @@ private:
     if (typed == nullptr)
       return std::nullopt;
     if (typed->type != Type{Base::Integer, {}}) {
-      context_.diagnostics.report(diag::DimensionType, dimension.size->span, toString(typed->type));
+      noteQuotient(context_.diagnostics.report(diag::DimensionType, dimension.size->span, toString(typed->type)), *dimension.size, *typed);
       return std::nullopt;
     }
     const auto value = constantValue(context_, *typed);
     if (!value) {
-      context_.diagnostics.report(diag::NotConstant, dimension.size->span, "the size of an array");
+      reportNotConstant(context_, *typed, dimension.size->span, "the size of an array");
       return std::nullopt;
     }
     if ((*value)[0] < 0 || (*value)[0] > kMaximumArraySize) {
@@ -303,7 +304,7 @@ bool isPresent(Context &context, Component &component) {
     component.isPresent = (*value)[0] != 0;
   } else {
     component.isFailed = true;
-    context.diagnostics.report(diag::NotConstant, condition.span, "the condition of a component");
+    reportNotConstant(context, *typed, condition.span, "the condition of a component");
   }
   component.conditionProgress = Progress::Done;
   return component.isPresent;

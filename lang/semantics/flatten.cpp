@@ -171,7 +171,7 @@ private:
     if (value == nullptr || target == nullptr)
       return;
     if (!constantValue(context_, *value)) {
-      context_.diagnostics.report(diag::NotConstant, value->span, fmt::format("'{}'", name));
+      reportNotConstant(context_, *value, value->span, fmt::format("'{}'", name));
       return;
     }
     *target = value;
@@ -189,7 +189,7 @@ private:
       return value;
     const auto known = constantValue(context_, *value);
     if (!known) {
-      context_.diagnostics.report(diag::NotConstant, value->span, "'fixed' of a rotation");
+      reportNotConstant(context_, *value, value->span, "'fixed' of a rotation");
       return nullptr;
     }
     std::vector<double> entries;
@@ -279,7 +279,7 @@ private:
     if (value)
       *target = (*value)[0];
     else
-      context_.diagnostics.report(diag::NotConstant, written.span, fmt::format("'{}'", name));
+      reportNotConstant(context_, *typed, written.span, fmt::format("'{}'", name));
   }
 
   Context &context_;

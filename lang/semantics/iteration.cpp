@@ -66,7 +66,7 @@ std::optional<std::vector<ExprPtr>> Typer::iteration(const ast::ForIndex &index,
     }
     const auto values = constantValue(context_, *range);
     if (!values) {
-      diagnostics().report(diag::NotConstant, index.range->span, "the range of an iterator");
+      reportNotConstant(context_, *range, index.range->span, "the range of an iterator");
       return std::nullopt;
     }
     return literals(range, range->type.base, *values);

@@ -1,6 +1,7 @@
 #include "lang/semantics/typing.h"
 
 #include "lang/semantics/diagnostics.h"
+#include "lang/semantics/quotient_note.h"
 #include "lang/semantics/text.h"
 
 #include <algorithm>
@@ -219,7 +220,7 @@ ExprPtr Typer::typeRange(const ast::Expr &expr) {
     }
     const auto value = constantValue(context_, *bound);
     if (!value) {
-      diagnostics().report(diag::NotConstant, operand->span, "the bound of a range");
+      reportNotConstant(context_, *bound, operand->span, "the bound of a range");
       return nullptr;
     }
     isInteger = isInteger && bound->type.base != Base::Real;
@@ -364,12 +365,12 @@ std::optional<flat::Selection> Typer::selection(const ast::Expr &subscript, int 
     return std::nullopt;
   const bool isIndex = typed->type.base == Base::Integer || typed->type.base == Base::Enumeration || typed->type.base == Base::Boolean;
   if (!isIndex || typed->type.dims.size() > 1) {
-    diagnostics().report(diag::SubscriptType, subscript.span, toString(typed->type));
+    noteQuotient(diagnostics().report(diag::SubscriptType, subscript.span, toString(typed->type)), subscript, *typed);
     return std::nullopt;
   }
   const auto values = constantValue(context_, *typed);
   if (!values) {
-    diagnostics().report(diag::NotConstant, subscript.span, "a subscript");
+    reportNotConstant(context_, *typed, subscript.span, "a subscript");
     return std::nullopt;
   }
   chosen.scalar = typed->type.dims.empty();

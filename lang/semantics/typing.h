@@ -96,6 +96,8 @@ using PartTyping = std::function<ExprPtr(const ast::Expr &, const Scope &)>;
 
 // Value known now: constants and parameters, which become structural. Not reported if there is none.
 [[nodiscard]] std::optional<std::vector<double>> constantValue(Context &context, const flat::Expr &expr);
+// Reports that `expr`, `what` is at `span`, has none; but not where a variable that it reads has a wrong binding, which has been reported.
+void reportNotConstant(Context &context, const flat::Expr &expr, Span span, std::string_view what);
 // The same of constants and parameters that are structural already, as sizes and ranges that have been typed make them.
 [[nodiscard]] std::optional<std::vector<double>> settledValue(Context &context, const flat::Expr &expr);
 
