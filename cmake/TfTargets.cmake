@@ -13,10 +13,11 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   target_link_options(tf_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:TF_OPTIMISES_WHOLE>>>:-fno-lto>)
 endif()
 if(TF_SANITIZE)
-  # Not the sources of the tests: what they test is watched, and most of the time that a sanitized build takes would be theirs.
-  set(is_watched $<NOT:$<BOOL:$<TARGET_PROPERTY:TF_WITHOUT_SANITIZERS>>>)
-  target_compile_options(tf_options INTERFACE $<${is_watched}:-fsanitize=address,undefined> $<${is_watched}:-fno-sanitize-recover=all>
-    -fno-omit-frame-pointer)
+  # The sources of the tests have the address sanitizer alone, which Eigen's memory depends on: the behaviour of what they test is watched, and
+  # much of the time that a sanitized build takes would be theirs.
+  set(is_test $<BOOL:$<TARGET_PROPERTY:TF_IS_TEST>>)
+  target_compile_options(tf_options INTERFACE $<IF:${is_test},-fsanitize=address,-fsanitize=address$<COMMA>undefined>
+    -fno-sanitize-recover=all -fno-omit-frame-pointer)
   target_link_options(tf_options INTERFACE -fsanitize=address,undefined)
 endif()
 if(TF_FUZZ)
@@ -35,10 +36,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   list(APPEND TF_TEST_OPTIONS -Wno-array-bounds -Wno-stringop-overflow)
 endif()
 
-# tf_quick_test_build(PROGRAM): its sources take over the headers of tests/support, are optimised little and not sanitized: to build them takes
+# tf_quick_test_build(PROGRAM): its sources take over the headers of tests/support, and are optimised and sanitized little: to build them takes
 # longer than to run them.
 function(tf_quick_test_build program)
-  set_target_properties(${program} PROPERTIES TF_WITHOUT_SANITIZERS TRUE)
+  set_target_properties(${program} PROPERTIES TF_IS_TEST TRUE)
   target_compile_options(${program} PRIVATE ${TF_TEST_OPTIONS})
   target_precompile_headers(${program} REUSE_FROM tf_test_headers)
 endfunction()
