@@ -143,7 +143,7 @@ tf_status tf_step(tf_simulation *simulation, double time);
 /* As tf_step to `end`; on the way `callback` is called at samples, which end no step: their values are those inside it, to the tolerance.
  * The first one is at `first_sample` >= tf_time; each call gives the time of the next one, which is later (infinity: no more; not a number:
  * the run ends behind the sample, TF_TERMINATED). Samples at `end` and behind it are not taken; one at the time of an event comes after the
- * event. The callback can read the values of its sample. */
+ * event. The callback has the time that was asked for, and can read the values of its sample. */
 typedef double (*tf_sample_callback)(void *data, double time);
 tf_status tf_run(tf_simulation *simulation, double end, double first_sample, tf_sample_callback callback, void *data);
 double tf_time(const tf_simulation *simulation);

@@ -389,8 +389,9 @@ tf_status Simulation::Implementation::advanceTo(double time, double firstSample)
       return status;
   }
   while (time_ < time) {
-    if (nextSample_ <= time_)
-      nextSample_ = owner_.onSample(time_);
+    // Those that have been skipped, with a switch that is passed within the tolerance, are here as well.
+    while (nextSample_ <= time_)
+      nextSample_ = owner_.onSample(nextSample_);
     if (std::isnan(nextSample_))
       return TF_TERMINATED;
     const double breakpoint = inputs_.nextBreakpoint(time_);

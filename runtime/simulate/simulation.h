@@ -35,7 +35,8 @@ public:
   SimulationOptions options;  // read by initialise
   std::function<void(const tf_event &)> onEvent;
   std::function<void(const tf_note &)> onNote;
-  // Called at a sample, whose values can be read then; gives the time of the next one, which is later; not a number: the run ends.
+  // Called at a sample, with the time that was asked for, whose values can be read then; gives the time of the next one, which is later;
+  // not a number: the run ends.
   std::function<double(double)> onSample;
 
   // Evaluates the starts, resolves contacts and an impact at the start time. TF_FAILED: see errorText().
