@@ -38,6 +38,7 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   mayPress_ = rows.count() > 0 && start.mayPress();
   if (!listActive(rows, problem, mode))
     return false;
+  system_.followDeterminant(mayPress_);
   if (!mayPress_)
     return true;
   if (!factorise(at, rows, problem))
@@ -327,8 +328,8 @@ bool LinkedForces::correct(const ModelEvaluation &at, const std::vector<std::uin
   // Corrections are small, and those of coordinates are repeated.
   constexpr double accuracy = 1e-10;
   const auto solve = [&] {
-    return factorise(at, correction) &&
-           correction.system.solve(force_.data(), bias_.data(), change_.data(), unknownForce_.data(), accuracy);
+    return factorise(at, correction) && correction.system.solve(force_.data(), bias_.data(), change_.data(), unknownForce_.data(), accuracy,
+                                                                SemiseparableSystem::Check::Rows);
   };
   if (!solve()) {
     // The structure may have been that of other numbers.
