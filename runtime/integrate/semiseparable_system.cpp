@@ -531,7 +531,7 @@ double SemiseparableSystem::findResidual(const double *force, const double *bias
     std::copy_n(force, size_, rest);
     subtractProduct(mass_, size_, size_, acceleration, rest);
     for (std::size_t r = 0; r < rows_.size(); ++r)
-      rowProduct_[r] = dotAndAdd(rows_[r].entries, acceleration, rowForce_[r], rest, rows_[r].end);
+      rowProduct_[r] = dotAndAdd(rows_[r].entries, acceleration, rowForce_[r], rest, size_);
   } else {
     std::fill_n(rest, size_, 0.0);
     for (const int r : unknowns_)

@@ -44,8 +44,8 @@ public:
   // `frictions` are those of all unknowns. All must exist while the system is solved. False: not of this kind, or singular.
   bool factorise(const double *mass, int size, std::span<const Row> rows, std::span<const int> unknowns,
                  std::span<const Friction> frictions);
-  // The same at other numbers, of as many rows with the same ends: the vectors are those of the same rows. That the others are sums of them
-  // is not checked here, it shows in what solve() leaves. False: see there.
+  // The same at other numbers, of as many rows with the same ends: the vectors are those of the same rows. That the others are sums of
+  // them, and that rows are zero behind their ends, is not checked here, it shows in what solve() leaves. False: see there.
   bool refactorise(const double *mass, std::span<const Row> rows);
   // Of what a solution leaves: all equations, or those of the rows alone, where the others have been seen to hold with these numbers.
   enum class Check : std::uint8_t { Everything, Rows };
