@@ -593,6 +593,8 @@ bool ForceSet::goFarAlong(const std::vector<int> &limits) {
 }
 
 void ForceSet::keepFixed(const ContactProblem &problem, std::vector<int> &fixed, double tolerance) {
+  if (fixed.empty())
+    return;
   view(problem);
   const double visible = tolerance * forceScale_;
   if (conic_) {
