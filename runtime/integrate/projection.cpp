@@ -123,14 +123,12 @@ double Projection::coordinateResiduals() {
 bool Projection::projectCoordinates(double *state) {
   constexpr int mostCorrections = 5;
   constexpr double rounding = 1e-14;
-  // Sums over many bodies are seldom zero: what one rounding makes is left to them.
-  const double nothing = linked_ != nullptr ? std::numeric_limits<double>::epsilon() : 0;
   // First of all: a quaternion's length changes gaps, and every correction makes it 1.
   at_.normaliseQuaternions(state);
   double previous = std::numeric_limits<double>::infinity();
   for (int correction = 0; correction < mostCorrections; ++correction) {
     const double worst = coordinateResiduals();
-    if (worst <= nothing || worst > 0.5 * previous)
+    if (worst == 0 || worst > 0.5 * previous)
       return true;
     previous = worst;
     correct(change_.data());
