@@ -47,7 +47,6 @@ struct ContactSolver::Workspace {
   ContactProblem aligned;  // in which pairs of rows that begin to slip lie along their slip
   ContactRates alignedRates;
   std::vector<double> metric, forcesFound, accelerationsFound;
-  std::vector<int> reached;  // limits that the forces lie on
   std::unique_ptr<ForceSet> set = std::make_unique<ForceSet>();
   NextDerivative next;
   ContactSolution solution, resolved;
@@ -271,22 +270,19 @@ void ContactSolver::Workspace::markDegenerate(const ContactProblem &problem, con
 // Limits that all admissible forces of the mode lie on.
 void ContactSolver::Workspace::listDegenerate(const ContactProblem &problem, const ContactMode *preferred) {
   solution.degenerate.clear();
-  reached.clear();
   for (std::size_t k = 0; k < set->limits().size(); ++k) {
-    const ForceLimit &limit = set->limits()[k];
+    const ForceLimit limit = set->limits()[k];
     const int j = limit.row - problem.normalCount;
     double slack = solution.forces[limit.row];
     if (limit.side == ForceLimit::disk)
       slack = problem.limit(j, solution.forces.data()) - std::hypot(slack, solution.forces[limit.row + 1]);
     else if (limit.side != 0)
       slack = problem.limit(j, solution.forces.data()) - limit.side * slack;
-    if (!(slack * metric[limit.row] > zero))
-      reached.push_back(static_cast<int>(k));
+    if (slack * metric[limit.row] > zero)
+      continue;
+    if (!solution.redundant || !set->canLeave(problem, static_cast<int>(k), 1e-7))
+      markDegenerate(problem, preferred, limit);
   }
-  if (solution.redundant)
-    set->keepFixed(problem, reached, 1e-7);
-  for (const int k : reached)
-    markDegenerate(problem, preferred, set->limits()[k]);
 }
 
 void ContactSolver::Workspace::count(const PlanarFrictionSolution &found) {

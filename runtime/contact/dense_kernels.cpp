@@ -57,24 +57,6 @@ __attribute__((always_inline)) inline void addOf(double factor, const double *x,
     y[k] += factor * x[k];
 }
 
-// y += factor Σ_k x_k column_k, of so many groups of rows.
-template <int Groups>
-__attribute__((always_inline)) inline void addColumnsOf(const double *matrix, int rows, int columns, double factor, const double *x,
-                                                        double *y) {
-  Lanes sum[Groups], column;
-  for (int g = 0; g < Groups; ++g)
-    load(sum[g], y + g * panelLanes);
-  for (int k = 0; k < columns; ++k, matrix += rows) {
-    const double scaled = factor * x[k];
-    for (int g = 0; g < Groups; ++g) {
-      load(column, matrix + g * panelLanes);
-      sum[g] += scaled * column;
-    }
-  }
-  for (int g = 0; g < Groups; ++g)
-    store(sum[g], y + g * panelLanes);
-}
-
 __attribute__((always_inline)) inline void takeLarger(Lanes &largest, const Lanes &x) {
   const Lanes magnitude = x < 0 ? -x : x;
   largest = magnitude > largest ? magnitude : largest;
@@ -278,26 +260,6 @@ TF_WIDE void subtractProduct(const double *matrix, int rows, int columns, const 
     y[i] -= dotOf(matrix + static_cast<std::ptrdiff_t>(i) * columns, x, columns);
 }
 
-TF_WIDE void addManyColumns(const double *matrix, int rows, int columns, double factor, const double *x, double *y) {
-  constexpr int groups = 4;
-  int r = 0;
-  for (; r + groups * panelLanes <= rows; r += groups * panelLanes)
-    addColumnsOf<groups>(matrix + r, rows, columns, factor, x, y + r);
-  if (r + 2 * panelLanes <= rows) {
-    addColumnsOf<2>(matrix + r, rows, columns, factor, x, y + r);
-    r += 2 * panelLanes;
-  }
-  if (r + panelLanes <= rows) {
-    addColumnsOf<1>(matrix + r, rows, columns, factor, x, y + r);
-    r += panelLanes;
-  }
-  for (int k = 0; k < columns && r < rows; ++k) {
-    const double *column = matrix + static_cast<std::ptrdiff_t>(k) * rows, scaled = factor * x[k];
-    for (int i = r; i < rows; ++i)
-      y[i] += scaled * column[i];
-  }
-}
-
 TF_WIDE double dotAndAdd(const double *row, const double *x, double factor, double *y, int count) {
   const double sum = dotOf(row, x, count);
   if (factor != 0)
@@ -336,6 +298,19 @@ TF_WIDE int firstWithin(const double *values, int begin, int end, double x, doub
   while (k < end && !(std::abs(values[k] - x) <= accepted))
     ++k;
   return k;
+}
+
+TF_WIDE bool isZero(const double *x, int count) {
+  Lanes largest{}, a;
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    load(a, x + k);
+    takeLarger(largest, a);
+  }
+  double rest = largestOf(largest);
+  for (; k < count; ++k)
+    rest = std::max(rest, std::abs(x[k]));
+  return rest == 0;
 }
 
 TF_WIDE Difference largestDifference(const double *x, const double *y, int count) {
@@ -608,18 +583,6 @@ TF_WIDE bool factoriseLu(double *matrix, int size, double singular, int *pivot) 
       eliminateFour<1>(columnAt(begin), begin, size, columnAt(j));
   }
   return true;
-}
-
-TF_WIDE void solveLu(const double *matrix, int size, const int *pivot, double *b) {
-  for (int k = 0; k < size; ++k)
-    std::swap(b[k], b[pivot[k]]);
-  for (int k = 0; k < size; ++k)
-    addOf(-b[k], matrix + static_cast<std::ptrdiff_t>(k) * size + k + 1, b + k + 1, size - k - 1);
-  for (int k = size - 1; k >= 0; --k) {
-    const double *column = matrix + static_cast<std::ptrdiff_t>(k) * size;
-    b[k] /= column[k];
-    addOf(-b[k], column, b, k);
-  }
 }
 
 }  // namespace tf::runtime

@@ -103,17 +103,14 @@ double Projection::coordinateResiduals() {
       }
     at_.mobility.correct(constraintChange_.data(), change_.data());
   }
-  double farthest = 0;
-  if (rows_.count() > 0) {
+  if (rows_.count() > 0)
     at_.switching(ModelEvaluation::Gaps);
-    farthest = at_.scales.farthest(at_.coordinates());
-  }
   for (int i = 0; i < rows_.count(); ++i) {
     const bool isNormal = i < rows_.normalCount();
     corrected_[i] = isNormal;
     residual_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - changeAlong(i) : 0;
     if (isNormal)
-      worst = std::max(worst, std::abs(residual_[i]) / at_.scales.gap(rows_.contacts()[i], at_.coordinates(), farthest));
+      worst = std::max(worst, std::abs(residual_[i]) / at_.scales.gap(rows_.contacts()[i], at_.coordinates()));
   }
   return worst;
 }
