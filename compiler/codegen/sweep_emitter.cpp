@@ -149,23 +149,19 @@ llvm::Function *isNeeded(llvm::Module &module) {
   return function;
 }
 
-// One result of a run: its vector, or some lanes of it.
-void storeResult(llvm::IRBuilder<> &builder, llvm::Value *from, llvm::Value *to, llvm::Value *lanes) {
-  llvm::Type *number = builder.getDoubleTy(), *row = llvm::FixedVectorType::get(number, sweepLanes);
+// Emits `body` for each number of lanes that `lanes` may be, so that vectors of a known width are moved.
+void forLanes(llvm::IRBuilder<> &builder, llvm::Value *lanes, const std::function<void(unsigned lanes)> &body) {
   llvm::Function *function = builder.GetInsertBlock()->getParent();
-  llvm::BasicBlock *whole = llvm::BasicBlock::Create(builder.getContext(), "whole", function);
-  llvm::BasicBlock *part = llvm::BasicBlock::Create(builder.getContext(), "part", function);
-  llvm::BasicBlock *stored = llvm::BasicBlock::Create(builder.getContext(), "stored", function);
-  builder.CreateCondBr(builder.CreateICmpEQ(lanes, builder.getInt32(sweepLanes)), whole, part);
-  builder.SetInsertPoint(whole);
-  builder.CreateAlignedStore(builder.CreateAlignedLoad(row, from, llvm::Align(alignof(double))), to, llvm::Align(alignof(double)));
-  builder.CreateBr(stored);
-  builder.SetInsertPoint(part);
-  countedLoop(builder, builder.getInt32(0), lanes, [&](llvm::Value *lane) {
-    builder.CreateStore(element(builder, number, from, lane), builder.CreateInBoundsGEP(number, to, lane));
-  });
-  builder.CreateBr(stored);
-  builder.SetInsertPoint(stored);
+  llvm::BasicBlock *done = llvm::BasicBlock::Create(builder.getContext(), "done", function);
+  llvm::SwitchInst *choice = builder.CreateSwitch(lanes, done, sweepLanes);
+  for (unsigned count = 1; count <= sweepLanes; ++count) {
+    llvm::BasicBlock *block = llvm::BasicBlock::Create(builder.getContext(), "lanes", function);
+    choice->addCase(builder.getInt32(count), block);
+    builder.SetInsertPoint(block);
+    body(count);
+    builder.CreateBr(done);
+  }
+  builder.SetInsertPoint(done);
 }
 
 // void (ptr results, ptr runs, i32 begin, i32 end, ptr out, ptr mask, ptr resultGroups); the last one is read only of sweeps whose results
@@ -185,18 +181,23 @@ llvm::Function *storeRuns(llvm::Module &module, bool isGrouped) {
       fields[field] = runField(builder, function->getArg(1), run, field);
     whereSelected(builder, mask, fields[Group], [&] {
       llvm::Value *buffer = element(builder, pointer, function->getArg(4), fields[Buffer]);
-      countedLoop(builder, builder.getInt32(0), fields[Count], [&](llvm::Value *k) {
-        llvm::Value *result = builder.CreateNSWAdd(fields[First], k);
-        const auto store = [&] {
-          llvm::Value *from = builder.CreateNSWAdd(builder.CreateNSWMul(result, builder.getInt32(sweepLanes)), fields[Lane]);
-          llvm::Value *to = builder.CreateNSWAdd(builder.CreateNSWMul(k, fields[Stride]), fields[Position]);
-          storeResult(builder, builder.CreateInBoundsGEP(number, function->getArg(0), from), builder.CreateInBoundsGEP(number, buffer, to),
-                      fields[Lanes]);
-        };
-        if (isGrouped)
-          whereSelected(builder, mask, element(builder, integer, function->getArg(6), result), store);
-        else
-          store();
+      llvm::Value *firstPlace = builder.CreateNSWAdd(builder.CreateNSWMul(fields[First], builder.getInt32(sweepLanes)), fields[Lane]);
+      llvm::Value *first = builder.CreateInBoundsGEP(number, function->getArg(0), firstPlace);
+      llvm::Value *firstTarget = builder.CreateInBoundsGEP(number, buffer, fields[Position]);
+      forLanes(builder, fields[Lanes], [&](unsigned lanes) {
+        llvm::Type *row = llvm::FixedVectorType::get(number, lanes);
+        const llvm::Align alignment(alignof(double));
+        countedLoop(builder, builder.getInt32(0), fields[Count], [&](llvm::Value *k) {
+          const auto store = [&] {
+            llvm::Value *from = builder.CreateInBoundsGEP(number, first, builder.CreateNSWMul(k, builder.getInt32(sweepLanes)));
+            llvm::Value *to = builder.CreateInBoundsGEP(number, firstTarget, builder.CreateNSWMul(k, fields[Stride]));
+            builder.CreateAlignedStore(builder.CreateAlignedLoad(row, from, alignment), to, alignment);
+          };
+          if (isGrouped)
+            whereSelected(builder, mask, element(builder, integer, function->getArg(6), builder.CreateNSWAdd(fields[First], k)), store);
+          else
+            store();
+        });
       });
     });
   });

@@ -47,6 +47,7 @@ struct ContactSolver::Workspace {
   ContactProblem aligned;  // in which pairs of rows that begin to slip lie along their slip
   ContactRates alignedRates;
   std::vector<double> metric, forcesFound, accelerationsFound;
+  std::vector<int> reached;  // limits that the forces lie on
   std::unique_ptr<ForceSet> set = std::make_unique<ForceSet>();
   NextDerivative next;
   ContactSolution solution, resolved;
@@ -68,7 +69,8 @@ struct ContactSolver::Workspace {
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
   bool settleForces(const ContactProblem &problem);
-  bool openPulling(const ContactProblem &problem);
+  bool freeOverloaded(const ContactProblem &problem);
+  [[nodiscard]] bool sticks(const ContactProblem &problem, int j) const;
   bool startSlow(const ContactProblem &problem);
   void listDegenerate(const ContactProblem &problem, const ContactMode *preferred);
   void markDegenerate(const ContactProblem &problem, const ContactMode *preferred, const ForceLimit &limit);
@@ -219,20 +221,37 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   return true;
 }
 
-// A mode without admissible forces, although its accelerations are those of the solution: to hold contacts whose force and acceleration
-// are about zero takes pulling forces of some such size. These contacts open. False: there are none.
-bool ContactSolver::Workspace::openPulling(const ContactProblem &problem) {
+// A mode without admissible forces, although its accelerations are those of the solution: to hold rows whose acceleration is about zero
+// takes forces beyond their limits by some such size. Contacts that pull open, and slips whose friction exceeds its limit begin. False:
+// there are none.
+bool ContactSolver::Workspace::freeOverloaded(const ContactProblem &problem) {
   constexpr double largest = 1e-6;
   double tolerance = settings.degeneracy;
   while (tolerance < largest && set->solveLeastNorm(problem, tolerance) != LeastNorm::Status::Solved)
     tolerance *= 10;
-  bool opened = false;
+  const std::vector<double> &forces = set->forces();
+  bool isAny = false;
   for (std::size_t i = 0; i < solution.mode.closed.size(); ++i)
-    if (solution.mode.closed[i] != 0 && set->forces()[i] * metric[i] < -zero) {
+    if (solution.mode.closed[i] != 0 && forces[i] * metric[i] < -zero) {
       solution.mode.closed[i] = 0;
-      opened = true;
+      isAny = true;
     }
-  return opened;
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    const int row = problem.normalCount + j;
+    const double excess = std::abs(forces[row]) - problem.limit(j, forces.data());
+    if (!sticks(problem, j) || !(excess * metric[row] > zero))
+      continue;
+    solution.mode.slip[j] = forces[row] > 0 ? -1 : 1;
+    isAny = true;
+  }
+  return isAny;
+}
+
+// One component that friction holds.
+bool ContactSolver::Workspace::sticks(const ContactProblem &problem, int j) const {
+  const int owner = problem.owner[j];
+  return (owner < 0 || solution.mode.closed[owner] != 0) && problem.slipSign[j] == 0 && problem.partner[j] < 0 &&
+         solution.mode.slip[j] == 0 && !withoutFriction(problem, j);
 }
 
 // As well: friction at its limit whose slip begins so slowly that it counts as a stick may hold none. These slips begin. False: there are
@@ -243,9 +262,8 @@ bool ContactSolver::Workspace::startSlow(const ContactProblem &problem) {
   for (int j = 0; j < problem.tangentCount; ++j) {
     const int row = problem.normalCount + j;
     const double acceleration = solution.accelerations[row] / metric[row], force = solution.forces[row];
-    const bool sticks = problem.slipSign[j] == 0 && problem.partner[j] < 0 && solution.mode.slip[j] == 0 && !withoutFriction(problem, j);
     const bool isAtLimit = (problem.limit(j, solution.forces.data()) - std::abs(force)) * metric[row] <= zero;
-    if (!sticks || !isAtLimit || std::abs(acceleration) <= visible * zero || acceleration * force >= 0)
+    if (!sticks(problem, j) || !isAtLimit || std::abs(acceleration) <= visible * zero || acceleration * force >= 0)
       continue;
     solution.mode.slip[j] = acceleration > 0 ? 1 : -1;
     started = true;
@@ -270,19 +288,22 @@ void ContactSolver::Workspace::markDegenerate(const ContactProblem &problem, con
 // Limits that all admissible forces of the mode lie on.
 void ContactSolver::Workspace::listDegenerate(const ContactProblem &problem, const ContactMode *preferred) {
   solution.degenerate.clear();
+  reached.clear();
   for (std::size_t k = 0; k < set->limits().size(); ++k) {
-    const ForceLimit limit = set->limits()[k];
+    const ForceLimit &limit = set->limits()[k];
     const int j = limit.row - problem.normalCount;
     double slack = solution.forces[limit.row];
     if (limit.side == ForceLimit::disk)
       slack = problem.limit(j, solution.forces.data()) - std::hypot(slack, solution.forces[limit.row + 1]);
     else if (limit.side != 0)
       slack = problem.limit(j, solution.forces.data()) - limit.side * slack;
-    if (slack * metric[limit.row] > zero)
-      continue;
-    if (!solution.redundant || !set->canLeave(problem, static_cast<int>(k), 1e-7))
-      markDegenerate(problem, preferred, limit);
+    if (!(slack * metric[limit.row] > zero))
+      reached.push_back(static_cast<int>(k));
   }
+  if (solution.redundant)
+    set->keepFixed(problem, reached, 1e-7);
+  for (const int k : reached)
+    markDegenerate(problem, preferred, set->limits()[k]);
 }
 
 void ContactSolver::Workspace::count(const PlanarFrictionSolution &found) {
@@ -318,7 +339,7 @@ void ContactSolver::Workspace::begin(const std::vector<double> &force, const std
 void ContactSolver::Workspace::finish(const ContactProblem &problem, const ContactMode *preferred) {
   bool mayChange = true;
   while (mayChange && !settleForces(problem))
-    mayChange = openPulling(problem) || startSlow(problem);
+    mayChange = freeOverloaded(problem) || startSlow(problem);
   if (settings.listsDegenerate)
     listDegenerate(problem, preferred);
 }

@@ -17,15 +17,43 @@ namespace tf::runtime {
 
 namespace {
 
-using Lanes = double __attribute__((vector_size(panelLanes * sizeof(double))));
-using HalfLanes = double __attribute__((vector_size(panelLanes / 2 * sizeof(double))));
+// As wide as registers are for sure: wider vectors, of two of them, gcc keeps in memory, and comparisons it takes apart into numbers.
+constexpr int halfLanes = panelLanes / 2;
+using HalfLanes = double __attribute__((vector_size(halfLanes * sizeof(double))));
 
-// By reference: the convention for vectors as arguments depends on the processor.
-__attribute__((always_inline)) inline void load(Lanes &lanes, const double *from) { std::memcpy(&lanes, from, sizeof lanes); }
-__attribute__((always_inline)) inline void store(const Lanes &lanes, double *to) { std::memcpy(to, &lanes, sizeof lanes); }
+struct Lanes {
+  HalfLanes low, high;
+
+  // By reference: the convention for vectors as arguments depends on the processor.
+  __attribute__((always_inline)) inline Lanes &operator+=(const Lanes &other) {
+    low += other.low;
+    high += other.high;
+    return *this;
+  }
+  __attribute__((always_inline)) inline Lanes &operator-=(const Lanes &other) {
+    low -= other.low;
+    high -= other.high;
+    return *this;
+  }
+  __attribute__((always_inline)) inline friend Lanes operator+(const Lanes &a, const Lanes &b) { return {a.low + b.low, a.high + b.high}; }
+  __attribute__((always_inline)) inline friend Lanes operator*(const Lanes &a, const Lanes &b) { return {a.low * b.low, a.high * b.high}; }
+  __attribute__((always_inline)) inline friend Lanes operator*(double a, const Lanes &b) { return {a * b.low, a * b.high}; }
+};
+
+__attribute__((always_inline)) inline void load(HalfLanes &lanes, const double *from) { std::memcpy(&lanes, from, sizeof lanes); }
+__attribute__((always_inline)) inline void load(Lanes &lanes, const double *from) {
+  load(lanes.low, from);
+  load(lanes.high, from + halfLanes);
+}
+__attribute__((always_inline)) inline void store(const HalfLanes &lanes, double *to) { std::memcpy(to, &lanes, sizeof lanes); }
+__attribute__((always_inline)) inline void store(const Lanes &lanes, double *to) {
+  store(lanes.low, to);
+  store(lanes.high, to + halfLanes);
+}
 
 __attribute__((always_inline)) inline double sumOf(const Lanes &l) {
-  return ((l[0] + l[4]) + (l[2] + l[6])) + ((l[1] + l[5]) + (l[3] + l[7]));
+  const HalfLanes half = l.low + l.high;
+  return (half[0] + half[2]) + (half[1] + half[3]);
 }
 
 __attribute__((always_inline)) inline double dotOf(const double *a, const double *b, int count) {
@@ -57,24 +85,37 @@ __attribute__((always_inline)) inline void addOf(double factor, const double *x,
     y[k] += factor * x[k];
 }
 
-__attribute__((always_inline)) inline void takeLarger(Lanes &largest, const Lanes &x) {
-  const Lanes magnitude = x < 0 ? -x : x;
+// y += factor Σ_k x_k column_k, of so many groups of rows.
+template <int Groups>
+__attribute__((always_inline)) inline void addColumnsOf(const double *matrix, int rows, int columns, double factor, const double *x,
+                                                        double *y) {
+  Lanes sum[Groups], column;
+  for (int g = 0; g < Groups; ++g)
+    load(sum[g], y + g * panelLanes);
+  for (int k = 0; k < columns; ++k, matrix += rows) {
+    const double scaled = factor * x[k];
+    for (int g = 0; g < Groups; ++g) {
+      load(column, matrix + g * panelLanes);
+      sum[g] += scaled * column;
+    }
+  }
+  for (int g = 0; g < Groups; ++g)
+    store(sum[g], y + g * panelLanes);
+}
+
+__attribute__((always_inline)) inline void takeLarger(HalfLanes &largest, const HalfLanes &x) {
+  const HalfLanes magnitude = x < 0 ? -x : x;
   largest = magnitude > largest ? magnitude : largest;
 }
 
-__attribute__((always_inline)) inline double largestOf(const Lanes &x) {
-  double largest = 0;
-  for (int lane = 0; lane < panelLanes; ++lane)
-    largest = std::max(largest, x[lane]);
-  return largest;
-}
+__attribute__((always_inline)) inline double largestOf(const HalfLanes &x) { return std::max(std::max(x[0], x[2]), std::max(x[1], x[3])); }
 
 // As subtractRows, `partCount` known or not.
 __attribute__((always_inline)) inline RowRest subtractAny(const double *row, const double *scale, const double *factors,
                                                           const double *const *parts, int partCount, int count, double *rest) {
-  Lanes largest{}, ofRow{}, a, b;
+  HalfLanes largest{}, ofRow{}, a, b;
   int k = 0;
-  for (; k + panelLanes <= count; k += panelLanes) {
+  for (; k + halfLanes <= count; k += halfLanes) {
     load(a, row + k);
     load(b, scale + k);
     a *= b;
@@ -200,17 +241,13 @@ __attribute__((always_inline)) inline int leadingZeroRows(const double *panel, i
 
 // Of the first entry with the largest magnitude.
 __attribute__((always_inline)) inline int placeOfLargest(const double *x, int count) {
-  Lanes largest{};
+  HalfLanes largest{}, a;
   int k = 0;
-  for (; k + panelLanes <= count; k += panelLanes) {
-    Lanes a;
+  for (; k + halfLanes <= count; k += halfLanes) {
     load(a, x + k);
-    a = a < 0.0 ? -a : a;
-    largest = a > largest ? a : largest;
+    takeLarger(largest, a);
   }
-  double most = 0;
-  for (int lane = 0; lane < panelLanes; ++lane)
-    most = std::max(most, largest[lane]);
+  double most = largestOf(largest);
   for (; k < count; ++k)
     most = std::max(most, std::abs(x[k]));
   int place = 0;
@@ -255,16 +292,71 @@ template <int count> __attribute__((always_inline)) inline void eliminateFour(co
 
 TF_WIDE double denseDot(const double *a, const double *b, int count) { return dotOf(a, b, count); }
 
+// The sums are those of dotOf.
 TF_WIDE void subtractProduct(const double *matrix, int rows, int columns, const double *x, double *y) {
-  for (int i = 0; i < rows; ++i)
+  constexpr int height = 4;
+  int i = 0;
+  for (; i + height <= rows; i += height) {
+    const double *row = matrix + static_cast<std::ptrdiff_t>(i) * columns;
+    Lanes sum[height] = {}, a, b;
+    double rest[height] = {};
+    int k = 0;
+    for (; k + panelLanes <= columns; k += panelLanes) {
+      load(b, x + k);
+      for (int h = 0; h < height; ++h) {
+        load(a, row + static_cast<std::ptrdiff_t>(h) * columns + k);
+        sum[h] += a * b;
+      }
+    }
+    for (; k < columns; ++k)
+      for (int h = 0; h < height; ++h)
+        rest[h] += row[static_cast<std::ptrdiff_t>(h) * columns + k] * x[k];
+    for (int h = 0; h < height; ++h)
+      y[i + h] -= sumOf(sum[h]) + rest[h];
+  }
+  for (; i < rows; ++i)
     y[i] -= dotOf(matrix + static_cast<std::ptrdiff_t>(i) * columns, x, columns);
 }
 
+TF_WIDE void addManyColumns(const double *matrix, int rows, int columns, double factor, const double *x, double *y) {
+  constexpr int groups = 4;
+  int r = 0;
+  for (; r + groups * panelLanes <= rows; r += groups * panelLanes)
+    addColumnsOf<groups>(matrix + r, rows, columns, factor, x, y + r);
+  if (r + 2 * panelLanes <= rows) {
+    addColumnsOf<2>(matrix + r, rows, columns, factor, x, y + r);
+    r += 2 * panelLanes;
+  }
+  if (r + panelLanes <= rows) {
+    addColumnsOf<1>(matrix + r, rows, columns, factor, x, y + r);
+    r += panelLanes;
+  }
+  for (int k = 0; k < columns && r < rows; ++k) {
+    const double *column = matrix + static_cast<std::ptrdiff_t>(k) * rows, scaled = factor * x[k];
+    for (int i = r; i < rows; ++i)
+      y[i] += scaled * column[i];
+  }
+}
+
 TF_WIDE double dotAndAdd(const double *row, const double *x, double factor, double *y, int count) {
-  const double sum = dotOf(row, x, count);
-  if (factor != 0)
-    addOf(factor, row, y, count);
-  return sum;
+  if (factor == 0)
+    return dotOf(row, x, count);
+  Lanes sum{}, a, b;
+  int k = 0;
+  for (; k + panelLanes <= count; k += panelLanes) {
+    load(a, row + k);
+    load(b, x + k);
+    sum += a * b;
+    load(b, y + k);
+    b += factor * a;
+    store(b, y + k);
+  }
+  double rest = 0;
+  for (; k < count; ++k) {
+    rest += row[k] * x[k];
+    y[k] += factor * row[k];
+  }
+  return sumOf(sum) + rest;
 }
 
 TF_WIDE double copyAndWeigh(const double *x, const double *weight, int count, double *y) {
@@ -286,13 +378,13 @@ TF_WIDE double copyAndWeigh(const double *x, const double *weight, int count, do
 
 TF_WIDE int firstWithin(const double *values, int begin, int end, double x, double accepted) {
   int k = begin;
-  for (; k + panelLanes <= end; k += panelLanes) {
-    Lanes a;
+  for (; k + halfLanes <= end; k += halfLanes) {
+    HalfLanes a;
     load(a, values + k);
     a -= x;
-    const Lanes magnitude = a < 0 ? -a : a;
+    const HalfLanes magnitude = a < 0 ? -a : a;
     const auto isWithin = magnitude <= accepted;
-    if (((isWithin[0] | isWithin[1]) | (isWithin[2] | isWithin[3])) | ((isWithin[4] | isWithin[5]) | (isWithin[6] | isWithin[7])))
+    if ((isWithin[0] | isWithin[1]) | (isWithin[2] | isWithin[3]))
       break;
   }
   while (k < end && !(std::abs(values[k] - x) <= accepted))
@@ -300,23 +392,10 @@ TF_WIDE int firstWithin(const double *values, int begin, int end, double x, doub
   return k;
 }
 
-TF_WIDE bool isZero(const double *x, int count) {
-  Lanes largest{}, a;
-  int k = 0;
-  for (; k + panelLanes <= count; k += panelLanes) {
-    load(a, x + k);
-    takeLarger(largest, a);
-  }
-  double rest = largestOf(largest);
-  for (; k < count; ++k)
-    rest = std::max(rest, std::abs(x[k]));
-  return rest == 0;
-}
-
 TF_WIDE Difference largestDifference(const double *x, const double *y, int count) {
-  Lanes largest{}, ofFirst{}, a, b;
+  HalfLanes largest{}, ofFirst{}, a, b;
   int k = 0;
-  for (; k + panelLanes <= count; k += panelLanes) {
+  for (; k + halfLanes <= count; k += halfLanes) {
     load(a, x + k);
     load(b, y + k);
     takeLarger(ofFirst, a);
@@ -494,13 +573,13 @@ TF_WIDE int factoriseDense(double *matrix, int size, int stride, double singular
       const double a = target[begin], b = target[begin + 1], c = target[begin + 2], d = target[begin + 3];
       const auto eliminate = [=]<class T>(std::type_identity<T> /*lanes*/, int j) __attribute__((always_inline)) {
         T rest, x0, x1, x2, x3;
-        std::memcpy(&rest, target + j, sizeof rest);
-        std::memcpy(&x0, w0 + j, sizeof x0);
-        std::memcpy(&x1, w1 + j, sizeof x1);
-        std::memcpy(&x2, w2 + j, sizeof x2);
-        std::memcpy(&x3, w3 + j, sizeof x3);
+        load(rest, target + j);
+        load(x0, w0 + j);
+        load(x1, w1 + j);
+        load(x2, w2 + j);
+        load(x3, w3 + j);
         rest -= (a * x0 + b * x1) + (c * x2 + d * x3);
-        std::memcpy(target + j, &rest, sizeof rest);
+        store(rest, target + j);
       };
       int j = end;
       if (j % panelLanes != 0) {
@@ -583,6 +662,18 @@ TF_WIDE bool factoriseLu(double *matrix, int size, double singular, int *pivot) 
       eliminateFour<1>(columnAt(begin), begin, size, columnAt(j));
   }
   return true;
+}
+
+TF_WIDE void solveLu(const double *matrix, int size, const int *pivot, double *b) {
+  for (int k = 0; k < size; ++k)
+    std::swap(b[k], b[pivot[k]]);
+  for (int k = 0; k < size; ++k)
+    addOf(-b[k], matrix + static_cast<std::ptrdiff_t>(k) * size + k + 1, b + k + 1, size - k - 1);
+  for (int k = size - 1; k >= 0; --k) {
+    const double *column = matrix + static_cast<std::ptrdiff_t>(k) * size;
+    b[k] /= column[k];
+    addOf(-b[k], column, b, k);
+  }
 }
 
 }  // namespace tf::runtime

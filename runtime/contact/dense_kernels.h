@@ -16,6 +16,15 @@ constexpr int panelLanes = 8;
 
 // y_i −= Σ_k A_ik x_k of a row-major matrix
 void subtractProduct(const double *matrix, int rows, int columns, const double *x, double *y);
+// y [rows] += factor Σ_k x_k column_k of a column-major matrix, factor 1 or −1; one product after the other.
+void addManyColumns(const double *matrix, int rows, int columns, double factor, const double *x, double *y);
+inline void addColumns(const double *matrix, int rows, int columns, double factor, const double *x, double *y) {
+  if (rows >= panelLanes)
+    return addManyColumns(matrix, rows, columns, factor, x, y);
+  for (int k = 0; k < columns; ++k, matrix += rows)
+    for (int i = 0; i < rows; ++i)
+      y[i] += factor * x[k] * matrix[i];
+}
 // y += factor · row; returns Σ row_k x_k, x and y apart from each other.
 double dotAndAdd(const double *row, const double *x, double factor, double *y, int count);
 
@@ -28,7 +37,6 @@ struct Difference {
   double largest = 0, ofFirst = 0;
 };
 Difference largestDifference(const double *x, const double *y, int count);
-bool isZero(const double *x, int count);
 
 // rest_k = row_k scale_k − Σ_i factors_i parts_i,k, and the largest magnitudes of rest_k and of row_k scale_k.
 struct RowRest {
@@ -71,5 +79,7 @@ int factoriseSemidefinite(double *matrix, int size, double dependence, int *orde
 // P A = L U of a size × size matrix, column-major: U, and L below the diagonal, with row k exchanged for row pivot[k] ≥ k, one after the
 // other. False where a pivot's magnitude is not above `singular`, or not finite.
 bool factoriseLu(double *matrix, int size, double singular, int *pivot);
+// b ← A⁻¹ b of such factors.
+void solveLu(const double *matrix, int size, const int *pivot, double *b);
 
 }  // namespace tf::runtime

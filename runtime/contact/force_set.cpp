@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace tf::runtime {
 
@@ -239,9 +240,9 @@ double ForceSet::atReference(const double *normal) const {
 }
 
 // Divided by the length of the row.
-void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
+void ForceSet::loadEquation(int r) {
   const int k = activeCount();
-  double *normal = polyhedron.normal(r);
+  double *normal = polyhedron_.normal(r);
   equations_.assembleRow(rows_, r, normal);
   for (int c = 0; c < k; ++c)
     normal[c] *= inverseWeight_[c];
@@ -250,7 +251,7 @@ void ForceSet::loadEquation(LeastNorm &polyhedron, int r) {
   const double inverse = 1 / length_[r];
   for (int c = 0; c < k; ++c)
     normal[c] *= inverse;
-  polyhedron.bound(r) = unknown_[r] / length_[r] - atReference(normal);
+  polyhedron_.bound(r) = unknown_[r] / length_[r] - atReference(normal);
 }
 
 // Of unit length.
@@ -277,27 +278,27 @@ ForceSet::LimitRow ForceSet::limitRow(int l) const {
   return limit;
 }
 
-void ForceSet::loadLimit(LeastNorm &polyhedron, int l) {
+void ForceSet::loadLimit(int l) {
   const int k = activeCount();
-  double *normal = polyhedron.normal(k + l);
+  double *normal = polyhedron_.normal(k + l);
   std::fill_n(normal, k, 0.0);
   const LimitRow limit = limitRow(l);
   normal[limit.own] = limit.ownEntry;
   if (limit.owner >= 0)
     normal[limit.owner] = limit.ownerEntry;
-  polyhedron.bound(k + l) = limit.bound - atReference(normal);
+  polyhedron_.bound(k + l) = limit.bound - atReference(normal);
   length_[k + l] = limit.length;
 }
 
-void ForceSet::loadPolyhedron(LeastNorm &polyhedron) {
+void ForceSet::loadPolyhedron() {
   const int k = activeCount(), limits = static_cast<int>(limits_.size());
-  polyhedron.resize(k, k, limits);
+  polyhedron_.resize(k, k, limits);
   length_.resize(k + limits_.size());
   weighEquations();
   for (int r = 0; r < k; ++r)
-    loadEquation(polyhedron, r);
+    loadEquation(r);
   for (int l = 0; l < limits; ++l)
-    loadLimit(polyhedron, l);
+    loadLimit(l);
   forceScale_ = 0;
   for (int r = 0; r < k; ++r)
     forceScale_ = std::max(forceScale_, std::abs(unknown_[r]) / length_[r]);
@@ -331,7 +332,7 @@ LeastNorm::Status ForceSet::solveConic(const ContactProblem &problem, double tol
 LeastNorm::Status ForceSet::solvePolyhedron(const ContactProblem &problem, double tolerance) {
   view(problem);
   hasFar_ = false;
-  loadPolyhedron(polyhedron_);
+  loadPolyhedron();
   const LeastNorm::Status status = polyhedron_.solve(tolerance * forceScale_, redundantResidual * forceScale_);
   dependent_.clear();
   for (int r = 0; r < activeCount(); ++r)
@@ -533,9 +534,9 @@ void ForceSet::loadActive() {
   const int k = activeCount();
   for (const int constraint : polyhedron_.active())
     if (constraint < k)
-      loadEquation(polyhedron_, constraint);
+      loadEquation(constraint);
     else
-      loadLimit(polyhedron_, constraint - k);
+      loadLimit(constraint - k);
 }
 
 // What is left of the accelerations of dependent rows, by the lengths that these had when the set was chosen.
@@ -566,7 +567,7 @@ bool ForceSet::release(int k) {
 LeastNorm::Status ForceSet::activate(int k) {
   if (!solveAll())
     return LeastNorm::Status::Empty;
-  loadLimit(polyhedron_, k);
+  loadLimit(k);
   return polyhedron_.activate(activeCount() + k);
 }
 
@@ -575,22 +576,53 @@ const std::vector<double> &ForceSet::accelerations() {
   return accelerations_;
 }
 
-// Projects a point far along the limit's normal onto the set: far enough, that is where the limit's slack is largest.
-bool ForceSet::canLeave(const ContactProblem &problem, int k, double tolerance) {
+// Projects a point far along the normals of the limits onto the set: far enough, that is where the sum of their slacks is largest. False:
+// not to the accuracy that is needed.
+bool ForceSet::goFarAlong(const std::vector<int> &limits) {
+  if (!hasFar_)
+    far_ = polyhedron_;
+  hasFar_ = true;
+  const double distance = 1e4 * forceScale_, accepted = 1e-8 * forceScale_, contradiction = redundantResidual * forceScale_;
+  for (int c = 0; c < activeCount(); ++c) {
+    double normal = 0;
+    for (const int k : limits)
+      normal += far_.normal(activeCount() + k)[c];
+    far_.origin(c) = polyhedron_.point()[c] + distance * normal;
+  }
+  return far_.solveAgain(accepted, contradiction) == LeastNorm::Status::Solved;
+}
+
+void ForceSet::keepFixed(const ContactProblem &problem, std::vector<int> &fixed, double tolerance) {
+  if (fixed.empty())
+    return;
   view(problem);
+  const double visible = tolerance * forceScale_;
   if (conic_) {
     findInnermost();
-    return cone_.slack(k, cone_.innermost()) > tolerance * forceScale_;
+    std::erase_if(fixed, [&](int k) { return cone_.slack(k, cone_.innermost()) > visible; });
+    return;
   }
-  if (!hasFar_)
-    loadPolyhedron(far_);
-  const int constraint = activeCount() + k;
-  const double distance = 1e4 * forceScale_, accepted = 1e-8 * forceScale_, contradiction = redundantResidual * forceScale_;
-  for (int c = 0; c < activeCount(); ++c)
-    far_.origin(c) = polyhedron_.point()[c] + distance * far_.normal(constraint)[c];
-  const LeastNorm::Status status = hasFar_ ? far_.solveAgain(accepted, contradiction) : far_.solve(accepted, contradiction);
-  hasFar_ = true;
-  return status == LeastNorm::Status::Solved && far_.slack(constraint) > tolerance * forceScale_;
+  // A clear way off a limit, or none at all, shows at once.
+  std::vector<int> open, leaving;
+  for (const int k : fixed)
+    if (polyhedron_.slackWithinReach(activeCount() + k) > visible)
+      leaving.push_back(k);
+    else if (!polyhedron_.isFixed())
+      open.push_back(k);
+  const auto leaves = [&](int k) { return far_.slack(activeCount() + k) > visible; };
+  // Where the largest sum of slacks, none of them negative, is none, so is each.
+  while (!open.empty()) {
+    std::vector<int> gone;
+    if (goFarAlong(open))
+      std::copy_if(open.begin(), open.end(), std::back_inserter(gone), leaves);
+    else if (open.size() > 1)
+      std::copy_if(open.begin(), open.end(), std::back_inserter(gone), [&](int k) { return goFarAlong({k}) && leaves(k); });
+    if (gone.empty())
+      break;
+    leaving.insert(leaving.end(), gone.begin(), gone.end());
+    std::erase_if(open, [&](int k) { return std::find(gone.begin(), gone.end(), k) != gone.end(); });
+  }
+  std::erase_if(fixed, [&](int k) { return std::find(leaving.begin(), leaving.end(), k) != leaving.end(); });
 }
 
 int ForceSet::saturated(int k) const {

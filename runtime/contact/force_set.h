@@ -79,9 +79,9 @@ public:
             const std::vector<double> &shares);
   // The least-norm force on the equations and limits that were active in the last solveLeastNorm, activate or release.
   bool solveActive(const ContactProblem &problem);
-  // After solveLeastNorm of the same problem: the largest slack that limits()[k] has in the set exceeds `tolerance`, relative to the force
-  // scale.
-  bool canLeave(const ContactProblem &problem, int k, double tolerance);
+  // After solveLeastNorm of the same problem: leaves in `fixed` those of its limits (indices into limits()) whose largest slack in the set
+  // is no more than `tolerance`, relative to the force scale.
+  void keepFixed(const ContactProblem &problem, std::vector<int> &fixed, double tolerance);
 
   // limits()[k] is saturated by the representative: index among the active constraints, or −1.
   [[nodiscard]] int saturated(int k) const;
@@ -121,10 +121,11 @@ private:
   bool solveUnique(const ContactProblem &problem, double tolerance);
   LeastNorm::Status solveConic(const ContactProblem &problem, double tolerance);
   LeastNorm::Status solvePolyhedron(const ContactProblem &problem, double tolerance);
-  void loadPolyhedron(LeastNorm &polyhedron);
+  void loadPolyhedron();
+  bool goFarAlong(const std::vector<int> &limits);
   void findWeights();
   void weighEquations();
-  void loadEquation(LeastNorm &polyhedron, int r);
+  void loadEquation(int r);
   [[nodiscard]] double atReference(const double *normal) const;
   // The normal of a limit among the unknowns (`owner` < 0: one entry) and its bound, divided by the normal's length.
   struct LimitRow {
@@ -132,7 +133,7 @@ private:
     double ownEntry = 0, ownerEntry = 0, bound = 0, length = 1;
   };
   [[nodiscard]] LimitRow limitRow(int l) const;
-  void loadLimit(LeastNorm &polyhedron, int l);
+  void loadLimit(int l);
   void loadActive();
   bool solveEqualShares();
   bool chooseShares();

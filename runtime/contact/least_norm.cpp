@@ -187,20 +187,34 @@ void LeastNorm::append(int constraint, double multiplier, double length) {
   }
 }
 
-// x += step J₂ d₂ of the last `project`.
-void LeastNorm::moveAlong(double step) {
+// z = J₂ d₂ of the last `project`.
+void LeastNorm::findDirection() {
   const int q = static_cast<int>(active_.size());
+  std::fill(z_.begin(), z_.end(), 0.0);
   if (isReflected_) {
-    std::fill(z_.begin(), z_.end(), 0.0);
-    z_[q] = step * diagonal_;
+    z_[q] = diagonal_;
     applyReflections(reflections_.data(), rows_, q + 1, scale_.data(), cross_.data(), z_.data());
-    for (int i = 0; i < variables_; ++i)
-      x_[i] += z_[i];
     return;
   }
   for (int j = q; j < variables_; ++j)
     for (int i = 0; i < variables_; ++i)
-      x_[i] += step * d_[j] * basis_(i, j);
+      z_[i] += d_[j] * basis_(i, j);
+}
+
+double LeastNorm::slackWithinReach(int constraint) {
+  tellApart();
+  const double length = project(normals_.column(constraint));
+  isFixed_ = !(length > dependence) && active_.size() == independent_;
+  if (!(length > dependence))
+    return slack(constraint);
+  findDirection();
+  double step = std::numeric_limits<double>::infinity();
+  for (int c = equations_; c < constraints_; ++c) {
+    const double slope = denseDot(normals_.column(c), z_.data(), variables_);
+    if (slope < 0 && std::find(active_.begin(), active_.end(), c) == active_.end())
+      step = std::min(step, std::max(slack(c), 0.0) / -slope);
+  }
+  return slack(constraint) + step * length * length;
 }
 
 void LeastNorm::removeAt(int k) {
@@ -255,8 +269,11 @@ LeastNorm::Status LeastNorm::addInequality(int constraint, double tolerance) {
     const double primalStep = independent ? -slack(constraint) / (length * length) : std::numeric_limits<double>::infinity();
     const double step = std::min(primalStep, dualStep);
     const int q = static_cast<int>(active_.size());
-    if (independent)
-      moveAlong(step);
+    if (independent) {
+      findDirection();
+      for (int i = 0; i < variables_; ++i)
+        x_[i] += step * z_[i];
+    }
     for (int k = 0; k < q; ++k)
       multipliers_[k] -= step * r_[k];
     multiplier += step;

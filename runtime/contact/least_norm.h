@@ -43,6 +43,11 @@ public:
   [[nodiscard]] double slack(int constraint) const;
   // Some equation depends on the others.
   [[nodiscard]] bool dependent() const { return dependent_; }
+  // How far the slack of an inequality that is not active grows from the point of the last `solve` or `solveAgain`, moved along its normal
+  // as the active constraints leave it until it meets another inequality: a lower bound of what the polyhedron has. Nothing changes.
+  double slackWithinReach(int constraint);
+  // After slackWithinReach: the equations alone fix the value of the inequality.
+  [[nodiscard]] bool isFixed() const { return isFixed_; }
   // The largest residual of the equations at the point: of those that depended on others in the last `solve`.
   [[nodiscard]] double contradiction() const;
 
@@ -62,7 +67,7 @@ private:
   int dependentRow();
   double project(const double *normal);  // d = Jᵀ n; returns ‖d₂‖
   void append(int constraint, double multiplier, double length);
-  void moveAlong(double step);
+  void findDirection();
   void removeAt(int k);
   void dualDirection();  // r = R⁻¹ d₁
   void solveTransposed(const double *c);
@@ -85,7 +90,7 @@ private:
   std::vector<double> scale_, cross_;
   double diagonal_ = 0;          // of R, of the constraint projected last
   std::size_t independent_ = 0;  // equations
-  bool isReflected_ = false;
+  bool isReflected_ = false, isFixed_ = false;
   std::vector<int> active_, order_;
   bool dependent_ = false;
   std::vector<std::uint8_t> leftOut_;  // of equations: they depend on others

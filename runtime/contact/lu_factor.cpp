@@ -120,19 +120,7 @@ void LuFactor::solve(double *b) const {
     b[0] = (first - a[2] * b[1]) / a[0];
     return;
   }
-  for (int k = 0; k < n; ++k)
-    std::swap(b[k], b[pivot_[k]]);
-  for (int k = 0; k < n; ++k) {
-    const double *column = lu_.column(k);
-    for (int i = k + 1; i < n; ++i)
-      b[i] -= column[i] * b[k];
-  }
-  for (int k = n - 1; k >= 0; --k) {
-    const double *column = lu_.column(k);
-    b[k] /= column[k];
-    for (int i = 0; i < k; ++i)
-      b[i] -= column[i] * b[k];
-  }
+  solveLu(lu_.data(), n, pivot_.data(), b);
 }
 
 void LuFactor::solveTransposed(double *b) const {

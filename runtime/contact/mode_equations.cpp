@@ -1,5 +1,7 @@
 #include "runtime/contact/mode_equations.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <algorithm>
 
 namespace tf::runtime {
@@ -94,13 +96,7 @@ void ModeEquations::expandForces(const ContactRowData &rows, const double *x, do
 void ModeEquations::accelerations(const ContactRowData &rows, const double *force, double *acceleration) const {
   const int count = rows.normalCount + rows.tangentCount;
   std::copy_n(rows.bias, count, acceleration);
-  for (int c = 0; c < count; ++c) {
-    if (force[c] == 0)
-      continue;
-    const double *column = rows.delassus->column(c);
-    for (int r = 0; r < count; ++r)
-      acceleration[r] += column[r] * force[c];
-  }
+  addColumns(rows.delassus->data(), count, count, 1, force, acceleration);
   for (const int r : active_)
     acceleration[r] = 0;
 }

@@ -119,7 +119,7 @@ private:
   bool activeSet(const PlanarFrictionMode *start, Equations known);
   bool pivot();
   int assignVariables();
-  void buildTransfer(int variables);
+  void buildTransfer();
   void buildComplementarity(int variables);
   void readComplementarity(Candidate &candidate);
   PlanarFrictionSolution::Status search(const PlanarFrictionMode *previous, Wanted wanted);
@@ -137,7 +137,13 @@ private:
   std::vector<std::int8_t> slip_;
   std::vector<double> fixed_, unknown_;
   std::vector<int> option_, firstVariable_, order_;
-  DenseMatrix transfer_, response_;  // λ = T z + constant, w = D T z + constantResponse
+  // λ = T z + constant, w = D T z + constantResponse: entries of T, and D T.
+  struct Entry {
+    int row = 0, variable = 0;
+    double factor = 0;
+  };
+  std::vector<Entry> transfer_;
+  DenseMatrix response_;
   std::vector<double> constant_, constantResponse_;
   DenseMatrix modeMatrix_, rest_;
   std::vector<double> target_, residual_;

@@ -1,10 +1,12 @@
 // The planar friction problem by a primal-dual active set, which is a semismooth Newton method (Hintermüller, Ito and Kunisch, SIAM J.
 // Optim. 13, 2002): each iteration solves the equations of one mode and moves every row whose condition fails to the state that the sign of
 // its force or acceleration asks for. A few iterations from a good start, many rows at once; no guarantee, so pivoting stands behind it.
+#include "runtime/contact/dense_kernels.h"
 #include "runtime/contact/planar_friction.h"
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 namespace tf::runtime {
@@ -39,9 +41,7 @@ bool PlanarFrictionSolver::evaluateRedundant(Candidate &candidate) {
   factor_.solve(unknown_.data());
   for (int pass = 0; pass < refinements; ++pass) {
     residual_.assign(target_.begin(), target_.end());
-    for (int c = 0; c < k; ++c)
-      for (int r = 0; r < k; ++r)
-        residual_[r] -= modeMatrix_(r, c) * unknown_[c];
+    addColumns(modeMatrix_.data(), k, k, -1, unknown_.data(), residual_.data());
     double largest = 0;
     for (const double r : residual_)
       largest = std::max(largest, std::abs(r));
@@ -55,12 +55,11 @@ bool PlanarFrictionSolver::evaluateRedundant(Candidate &candidate) {
   candidate.acceleration.resize(count);
   equations_.expand(rows_, unknown_.data(), candidate.force.data(), candidate.acceleration.data());
   // The active rows' accelerations as they are, not as they should be: the certificate must see contradictions.
-  for (int r = 0; r < k; ++r) {
-    double value = -target_[r];
-    for (int c = 0; c < k; ++c)
-      value += modeMatrix_(r, c) * unknown_[c];
-    candidate.acceleration[equations_.active()[r]] = value;
-  }
+  residual_.resize(k);
+  std::transform(target_.begin(), target_.end(), residual_.begin(), std::negate());
+  addColumns(modeMatrix_.data(), k, k, 1, unknown_.data(), residual_.data());
+  for (int r = 0; r < k; ++r)
+    candidate.acceleration[equations_.active()[r]] = residual_[r];
   candidate.violation = violation(candidate.force, candidate.acceleration);
   return std::isfinite(candidate.violation);
 }

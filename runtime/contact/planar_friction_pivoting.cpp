@@ -1,6 +1,7 @@
 // The planar friction problem as a linear complementarity problem, for many rows. Friction without known direction takes Stewart and
 // Trinkle's form (Int. J. Numer. Meth. Engng. 39, 1996): λ_t = β⁺ − β⁻ with the slip speed σ as multiplier of β⁺ + β⁻ ≤ limit, whose matrix
 // is copositive, so that Lemke's method ends with a solution where no slip is prescribed.
+#include "runtime/contact/dense_kernels.h"
 #include "runtime/contact/planar_friction.h"
 
 #include <algorithm>
@@ -38,13 +39,13 @@ int PlanarFrictionSolver::assignVariables() {
 }
 
 // λ = T z + constant.
-void PlanarFrictionSolver::buildTransfer(int variables) {
+void PlanarFrictionSolver::buildTransfer() {
   const int n = scaled_.normalCount, m = scaled_.tangentCount;
-  transfer_.setZero(n + m, variables);
+  transfer_.clear();
   constant_.assign(n + m, 0.0);
   for (int i = 0; i < n; ++i) {
     if (firstVariable_[i] >= 0)
-      transfer_(i, firstVariable_[i]) = 1;
+      transfer_.push_back({i, firstVariable_[i], 1});
     else
       constant_[i] = scaled_.upper[i];
   }
@@ -52,29 +53,28 @@ void PlanarFrictionSolver::buildTransfer(int variables) {
     const int row = n + j, k = firstVariable_[row], i = scaled_.owner[j];
     const TangentKind kind = scaled_.tangentKind[j];
     if (kind == TangentKind::TwoSided) {
-      transfer_(row, k) = 1;
-      transfer_(row, k + 1) = -1;
+      transfer_.push_back({row, k, 1});
+      transfer_.push_back({row, k + 1, -1});
     } else if (kind == TangentKind::Bilateral) {
-      transfer_(row, k) = 1;
+      transfer_.push_back({row, k, 1});
     } else if (kind == TangentKind::Slip || kind == TangentKind::OneSided) {
       const double side = kind == TangentKind::Slip ? -scaled_.sign[j] : scaled_.sign[j];
       constant_[row] = side * limit(j, constant_);
       if (i >= 0 && firstVariable_[i] >= 0)
-        transfer_(row, firstVariable_[i]) = side * scaled_.friction[j];
+        transfer_.push_back({row, firstVariable_[i], side * scaled_.friction[j]});
       if (kind == TangentKind::OneSided)
-        transfer_(row, k) = -side;
+        transfer_.push_back({row, k, -side});
     }
   }
 }
 
 void PlanarFrictionSolver::buildComplementarity(int variables) {
   const int n = scaled_.normalCount, m = scaled_.tangentCount;
-  response_.resize(n + m, variables);
-  response_.map().noalias() = scaled_.delassus.map() * transfer_.map();
+  response_.setZero(n + m, variables);
+  for (const Entry &entry : transfer_)
+    addColumns(scaled_.delassus.column(entry.row), n + m, 1, 1, &entry.factor, response_.column(entry.variable));
   constantResponse_ = scaled_.bias;
-  for (int c = 0; c < n + m; ++c)
-    for (int r = 0; r < n + m; ++r)
-      constantResponse_[r] += scaled_.delassus(r, c) * constant_[c];
+  addColumns(scaled_.delassus.data(), n + m, n + m, 1, constant_.data(), constantResponse_.data());
 
   complementarity_.resize(variables);
   DenseMatrix &M = complementarity_.matrix();
@@ -129,13 +129,10 @@ void PlanarFrictionSolver::readComplementarity(Candidate &candidate) {
   const std::vector<double> &z = complementarity_.z();
   const double zero = 1e-12 * magnitude_;
   candidate.force = constant_;
-  for (int k = 0; k < transfer_.cols(); ++k)
-    for (int r = 0; r < n + m; ++r)
-      candidate.force[r] += transfer_(r, k) * z[k];
+  for (const Entry &entry : transfer_)
+    candidate.force[entry.row] += entry.factor * z[entry.variable];
   candidate.acceleration = scaled_.bias;
-  for (int c = 0; c < n + m; ++c)
-    for (int r = 0; r < n + m; ++r)
-      candidate.acceleration[r] += scaled_.delassus(r, c) * candidate.force[c];
+  addColumns(scaled_.delassus.data(), n + m, n + m, 1, candidate.force.data(), candidate.acceleration.data());
 
   candidate.mode.normal.assign(n, NormalState::Off);
   candidate.mode.slip.assign(m, 0);
@@ -162,7 +159,7 @@ void PlanarFrictionSolver::readComplementarity(Candidate &candidate) {
 // Lemke's method; a second covering vector where the first meets a ray.
 bool PlanarFrictionSolver::pivot() {
   const int variables = assignVariables();
-  buildTransfer(variables);
+  buildTransfer();
   for (int attempt = 0; attempt < 8; ++attempt) {
     buildComplementarity(variables);
     for (int k = 0; k < variables && attempt > 0; ++k)

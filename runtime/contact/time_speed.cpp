@@ -6,18 +6,23 @@
 
 namespace tf::runtime {
 
-double timeSpeed(std::span<const double> normalForce, std::span<const double> rate) {
-  double largest = 0, sum = 0;  // of λ_i / a_i
-  int loaded = 0;
+namespace {
+
+// Of the contacts that are loaded: their λ_i/a_i into `ratios`.
+double timeSpeedOf(std::span<const double> normalForce, std::span<const double> rate, std::vector<double> &ratios) {
+  ratios.clear();
+  double largest = 0, sum = 0;
   for (std::size_t i = 0; i < normalForce.size(); ++i) {
     const double ratio = std::max(normalForce[i], 0.0) / rate[i];
+    if (ratio == 0)
+      continue;
+    ratios.push_back(ratio);
     largest = std::max(largest, ratio);
     sum += ratio;
-    loaded += ratio > 0 ? 1 : 0;
   }
-  if (loaded <= 1)
+  if (ratios.size() <= 1)
     return 1 / (1 + largest);
-  if (loaded == 2) {
+  if (ratios.size() == 2) {
     // p r β² − (1 + p + r) β + 1 = 0, the smaller root; its discriminant without cancellation.
     const double other = sum - largest, difference = largest - other;
     return 2 / (1 + sum + std::sqrt(1 + 2 * sum + difference * difference));
@@ -28,8 +33,7 @@ double timeSpeed(std::span<const double> normalForce, std::span<const double> ra
   double beta = 1 / (1 + sum);
   for (int iteration = 0; iteration < 100; ++iteration) {
     double product = 1, logarithmicSlope = 0;
-    for (std::size_t i = 0; i < normalForce.size(); ++i) {
-      const double ratio = std::max(normalForce[i], 0.0) / rate[i];
+    for (const double ratio : ratios) {
       const double factor = 1 - beta * ratio;
       product *= factor;
       logarithmicSlope -= ratio / factor;
@@ -45,11 +49,18 @@ double timeSpeed(std::span<const double> normalForce, std::span<const double> ra
   return beta;
 }
 
-double numericalTimeRate(std::span<const double> normalForce, std::span<const double> rate) {
+}  // namespace
+
+double timeSpeed(std::span<const double> normalForce, std::span<const double> rate) {
+  std::vector<double> ratios;
+  return timeSpeedOf(normalForce, rate, ratios);
+}
+
+double numericalTimeRate(std::span<const double> normalForce, std::span<const double> rate, std::vector<double> &ratios) {
   if (normalForce.empty())
     return 1;
   if (normalForce.size() > 2)
-    return 1 / timeSpeed(normalForce, rate);
+    return 1 / timeSpeedOf(normalForce, rate, ratios);
   const double first = normalForce[0] / rate[0];
   if (normalForce.size() == 1)
     return 1 + first;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 namespace tf::runtime {
 
@@ -11,7 +12,8 @@ double timeSpeed(std::span<const double> normalForce, std::span<const double> ra
 
 // dτ/dt = 1/β. With one or two contacts it is continued smoothly to forces below zero: an integrator's step that reaches beyond the end of
 // a mode, which is where a force vanishes, then sees no kink there.
-double numericalTimeRate(std::span<const double> normalForce, std::span<const double> rate);
+// `ratios`: workspace.
+double numericalTimeRate(std::span<const double> normalForce, std::span<const double> rate, std::vector<double> &ratios);
 
 // push_i = λ_i β / a_i = (1 − α1_i)(1 − α2_i) on c1 = c2 = 0.
 void pushes(std::span<const double> normalForce, std::span<const double> rate, double timeSpeed, std::span<double> push);

@@ -38,6 +38,7 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   mayPress_ = rows.count() > 0 && start.mayPress();
   if (!listActive(rows, problem, mode))
     return false;
+  system_.followDeterminant(mayPress_);
   if (!mayPress_)
     return true;
   if (!factorise(at, rows, problem))
@@ -80,7 +81,7 @@ void LinkedForces::listRows(const RowSystem &rows) {
   }
 }
 
-// The same rows where the model has them. False: those that were equal differ, or one reaches further.
+// The same rows where the model has them; one that reaches further is left by the solution. False: those that were equal differ.
 bool LinkedForces::readRows(const ModelEvaluation &at, const RowSystem &rows) {
   int next = 0;
   for (int row = 0; row < rows.count(); ++row) {
@@ -91,8 +92,6 @@ bool LinkedForces::readRows(const ModelEvaluation &at, const RowSystem &rows) {
     if (number_[row] == next) {
       own.entries = entries;
       ++next;
-      if (!isZero(entries + own.end, rows.width() - own.end))
-        return false;
     } else if (!RowSystem::areEqual(entries, own.entries, rows.width())) {
       return false;
     }
@@ -327,8 +326,8 @@ bool LinkedForces::correct(const ModelEvaluation &at, const std::vector<std::uin
   // Corrections are small, and those of coordinates are repeated.
   constexpr double accuracy = 1e-10;
   const auto solve = [&] {
-    return factorise(at, correction) &&
-           correction.system.solve(force_.data(), bias_.data(), change_.data(), unknownForce_.data(), accuracy);
+    return factorise(at, correction) && correction.system.solve(force_.data(), bias_.data(), change_.data(), unknownForce_.data(), accuracy,
+                                                                SemiseparableSystem::Check::Rows);
   };
   if (!solve()) {
     // The structure may have been that of other numbers.

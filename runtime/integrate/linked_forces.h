@@ -34,6 +34,8 @@ public:
 private:
   // Of the rows that take part in a correction: normal rows for coordinates, those that stick as well for velocities.
   struct Correction {
+    Correction() { system.followDeterminant(false); }
+
     SemiseparableSystem system{1e-6};
     std::vector<int> rows, unknowns;  // the first of equal ones; their numbers in rows_
     bool isKnown = false;             // `system` has been factorised with these rows, in this mode,

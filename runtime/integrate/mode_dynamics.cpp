@@ -467,7 +467,7 @@ bool ModeDynamics::giveRate(double *rate) {
   const tf_model &model = at_.model();
   if (rows_.count() > 0)
     recordForces();
-  tauRate_ = numericalTimeRate(closedForce_, closedRate_);
+  tauRate_ = numericalTimeRate(closedForce_, closedRate_, loadRatio_);
   double *rest = rate + model.nq + model.nv;
   rest[model.nz] = tauRate_;
   bool isFinite = copyFinite(at_.stateRate.data(), model.nz, rest) + tauRate_ * 0 == 0;

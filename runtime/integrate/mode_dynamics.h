@@ -322,7 +322,7 @@ private:
   int gapGuardCount_ = 0;
   bool guardsVary_ = false;
   std::vector<double> leastMargins_, leastMarginTimes_, largestMargins_;  // of forces_
-  std::vector<double> closedForce_, closedRate_;
+  std::vector<double> closedForce_, closedRate_, loadRatio_;
   double beginForce_ = 0;           // the largest one at the begin of the mode
   std::vector<double> forceScale_;  // of rows: of those that act on one another
   std::vector<int> group_;

@@ -103,14 +103,17 @@ double Projection::coordinateResiduals() {
       }
     at_.mobility.correct(constraintChange_.data(), change_.data());
   }
-  if (rows_.count() > 0)
+  double farthest = 0;
+  if (rows_.count() > 0) {
     at_.switching(ModelEvaluation::Gaps);
+    farthest = at_.scales.farthest(at_.coordinates());
+  }
   for (int i = 0; i < rows_.count(); ++i) {
     const bool isNormal = i < rows_.normalCount();
     corrected_[i] = isNormal;
     residual_[i] = isNormal ? -at_.gap[rows_.contacts()[i]] - changeAlong(i) : 0;
     if (isNormal)
-      worst = std::max(worst, std::abs(residual_[i]) / at_.scales.gap(rows_.contacts()[i], at_.coordinates()));
+      worst = std::max(worst, std::abs(residual_[i]) / at_.scales.gap(rows_.contacts()[i], at_.coordinates(), farthest));
   }
   return worst;
 }
@@ -120,12 +123,14 @@ double Projection::coordinateResiduals() {
 bool Projection::projectCoordinates(double *state) {
   constexpr int mostCorrections = 5;
   constexpr double rounding = 1e-14;
+  // Sums over many bodies are seldom zero: what one rounding makes is left to them.
+  const double nothing = linked_ != nullptr ? std::numeric_limits<double>::epsilon() : 0;
   // First of all: a quaternion's length changes gaps, and every correction makes it 1.
   at_.normaliseQuaternions(state);
   double previous = std::numeric_limits<double>::infinity();
   for (int correction = 0; correction < mostCorrections; ++correction) {
     const double worst = coordinateResiduals();
-    if (worst == 0 || worst > 0.5 * previous)
+    if (worst <= nothing || worst > 0.5 * previous)
       return true;
     previous = worst;
     correct(change_.data());

@@ -1,9 +1,11 @@
 #include "runtime/integrate/semiseparable_system.h"
 
 #include "runtime/contact/dense_kernels.h"
+#include "runtime/integrate/all_finite.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <type_traits>
 
@@ -19,7 +21,7 @@ constexpr double vanishing = 1e-15;
 // The first entry that is not much smaller than the largest: early columns remain longest.
 int pivotOf(const double *x, int end, double largest) {
   int column = 0;
-  while (column < end - 1 && !(std::abs(x[column]) >= 0.5 * largest))
+  while (column < end - 1 && !(std::abs(x[column]) >= 0.05 * largest))
     ++column;
   return column;
 }
@@ -29,6 +31,33 @@ template <int R> double product(const double *a, const double *b) {
   for (int k = 0; k < R; ++k)
     sum += a[k] * b[k];
   return sum;
+}
+
+// −W g and −Wᵀ p into m and l. Returns the pivot, `diagonal` − p·W g, and the size of what it is the difference of.
+template <int R>
+[[gnu::always_inline]] inline double findPivot(const double (&W)[R][R], const double *p, const double *g, double diagonal, double (&m)[R],
+                                               double (&l)[R], double &size) {
+  double pivot = size = diagonal;
+  for (int i = 0; i < R; ++i) {
+    double Wg = 0, Wp = 0;
+    for (int j = 0; j < R; ++j) {
+      Wg += W[i][j] * g[j];
+      Wp += W[j][i] * p[j];
+    }
+    pivot -= p[i] * Wg;
+    size += std::abs(p[i] * Wg);
+    m[i] = -Wg;
+    l[i] = -Wp;
+  }
+  return pivot;
+}
+
+// W += m lᵀ/pivot. The product of the factors does not wait for the quotient.
+template <int R>
+[[gnu::always_inline]] inline void addFactors(const double (&m)[R], const double (&l)[R], double inverse, double (&W)[R][R]) {
+  for (int i = 0; i < R; ++i)
+    for (int j = 0; j < R; ++j)
+      W[i][j] += m[i] * l[j] * inverse;
 }
 
 // Of the number of vectors as a constant.
@@ -53,9 +82,13 @@ template <class Function> auto withVectors(int count, const Function &function) 
 }  // namespace
 
 void SemiseparableSystem::Determinant::multiply(double factor) {
-  int shift = 0;
-  mantissa = std::frexp(mantissa * factor, &shift);
-  exponent += shift;
+  mantissa *= factor;
+  constexpr double large = 1e100, small = 1e-100;
+  if (const double size = std::abs(mantissa); size > large || size < small) {
+    int shift = 0;
+    mantissa = std::frexp(mantissa, &shift);
+    exponent += shift;
+  }
 }
 
 double SemiseparableSystem::Determinant::relativeTo(const Determinant &other) const {
@@ -116,13 +149,19 @@ void SemiseparableSystem::listExpressed() {
 
 bool SemiseparableSystem::scaleColumns() {
   scale_.resize(size_);
+  root_.resize(size_);
+  diagonal_.resize(size_);
+  bool isPositive = true;
   for (int i = 0; i < size_; ++i) {
     const double diagonal = mass_[static_cast<std::ptrdiff_t>(i) * size_ + i];
-    if (!(diagonal > 0) || !std::isfinite(diagonal))
-      return false;
-    scale_[i] = 1 / std::sqrt(diagonal);
+    isPositive = isPositive && diagonal > 0 && diagonal <= std::numeric_limits<double>::max();
+    if (!isKnown_) {
+      root_[i] = std::sqrt(diagonal);
+      scale_[i] = 1 / root_[i];
+    }
+    diagonal_[i] = diagonal * scale_[i] * scale_[i];
   }
-  return true;
+  return isPositive;
 }
 
 void SemiseparableSystem::sortByEnd(std::size_t count) {
@@ -138,7 +177,8 @@ void SemiseparableSystem::sortByEnd(std::size_t count) {
 // Rows of J and of M's lower triangle, those that reach furthest first: each adds a vector where those before do not make it up.
 bool SemiseparableSystem::findVectors() {
   stride_ = paddedToLanes(size_);
-  reduced_.assign(static_cast<std::size_t>(mostVectors) * stride_, 0.0);
+  reduced_.resize(static_cast<std::size_t>(mostVectors) * stride_);
+  std::fill_n(reduced_.data(), static_cast<std::ptrdiff_t>(isKnown_ ? count_ : mostVectors) * stride_, 0.0);
   rest_.resize(stride_);
   vectors_.resize(static_cast<std::size_t>(size_) * mostVectors);
   outer_.resize(vectors_.size());
@@ -147,13 +187,14 @@ bool SemiseparableSystem::findVectors() {
   transitions_.clear();
   std::fill_n(pivot_, mostVectors, -1);
   std::fill_n(outer_.data(), mostVectors, 0.0);
-  count_ = 0;
+  if (!isKnown_)
+    count_ = 0;
   std::size_t adds = 0;  // of addEnds_
   for (int end = size_; end > 0; --end) {
     if (isKnown_) {
       const int last = std::max(adds < addEnds_.size() ? addEnds_[adds] : 0, *std::max_element(pivot_, pivot_ + mostVectors));
       if (last < end) {
-        readCoefficients(last, end);
+        withVectors(count_, [&](auto vectors) { readCoefficients<vectors()>(last, end); });
         end = last + 1;
         continue;
       }
@@ -182,25 +223,24 @@ bool SemiseparableSystem::findVectorsAt(int end) {
   return true;
 }
 
-// Of all rows that end after `last` and at `end` at the latest, where the vectors stay as they are.
-void SemiseparableSystem::readCoefficients(int last, int end) {
-  int column[mostVectors];
-  double scale[mostVectors];
-  for (int k = 0; k < mostVectors; ++k) {
-    column[k] = std::max(pivot_[k], 0);
-    scale[k] = pivot_[k] < 0 ? 0 : scale_[pivot_[k]];
-  }
-  const auto read = [&](const double *row, double factor, double *coefficients) {
-    for (int k = 0; k < mostVectors; ++k)
-      coefficients[k] = row[column[k]] * scale[k] * factor;
+// Of all rows that end after `last` and at `end` at the latest, where the vectors stay as they are. M is read by columns, as rows of it.
+template <int R> void SemiseparableSystem::readCoefficients(int last, int end) {
+  const auto coefficientsOf = [](std::vector<double> &all, int number) {
+    return all.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
   };
-  for (int k = firstOfEnd_[last]; k < firstOfEnd_[end]; ++k)
-    read(expressed_[byEnd_[k]], 1, rowOuter_.data() + static_cast<std::ptrdiff_t>(byEnd_[k]) * mostVectors);
-  for (int i = last + 1; i <= std::min(end, size_ - 1); ++i)
-    read(mass_ + static_cast<std::ptrdiff_t>(i) * size_, scale_[i], outer_.data() + static_cast<std::ptrdiff_t>(i) * mostVectors);
-  for (int k = 0; k < mostVectors; ++k)
+  double *const outer = coefficientsOf(outer_, 0), *const vectors = coefficientsOf(vectors_, 0);
+  const int lastRow = std::min(end, size_ - 1);
+  for (int k = 0; k < R; ++k) {
+    const int column = std::max(pivot_[k], 0);
+    const double scale = pivot_[k] < 0 ? 0 : scale_[column];
+    for (int place = firstOfEnd_[last]; place < firstOfEnd_[end]; ++place)
+      coefficientsOf(rowOuter_, byEnd_[place])[k] = expressed_[byEnd_[place]][column] * scale;
+    const double *masses = mass_ + static_cast<std::ptrdiff_t>(column) * size_, *vector = reduced(k);
+    for (int i = last + 1; i <= lastRow; ++i)
+      outer[i * mostVectors + k] = masses[i] * scale * scale_[i];
     for (int j = last; j < end; ++j)
-      vectors_[static_cast<std::size_t>(j) * mostVectors + k] = reduced(k)[j];
+      vectors[j * mostVectors + k] = vector[j];
+  }
 }
 
 // What the rows that end there have led to.
@@ -289,6 +329,8 @@ bool SemiseparableSystem::express(const double *row, int end, double *coefficien
     return true;
   const RowRest rest = subtractRows(row, scale_.data(), factors, parts, used, end, rest_.data());
   size = rest.ofRow;
+  if (!isKnown_ && !allFinite(rest_.data(), end))
+    return false;
   if (rest.largest <= madeUp * rest.ofRow)
     return true;
   adds = 1;
@@ -328,6 +370,8 @@ void SemiseparableSystem::combine() {
   column_.resize(room);
   left_.resize(room);
   right_.resize(room);
+  forward_.resize(room * count_);
+  back_.resize(room * count_);
   inverse_.resize(order_.size());
   std::vector<double> &force = correction_;  // f of the unknowns
   const auto outer = [this](std::size_t expressed) { return rowOuter_.data() + expressed * mostVectors; };
@@ -369,59 +413,75 @@ template <int R> void SemiseparableSystem::pass(int number, double (&W)[R][R]) c
     }
 }
 
-// After some of the unknowns the entries that are left, of row i and column j behind them, are those of the matrix less p_i·W g_j; W is the
-// mobility of what has been eliminated, as the next body feels it. One more unknown: m and l of the factors, and 1/pivot; 0: singular.
+// V of column `number` is added to the factors, which so far are of the basis before it, as W is.
 template <int R>
-double SemiseparableSystem::eliminate(int number, const double *p, const double *g, double (&W)[R][R], double *m, double *l) const {
-  const bool isMass = number < size_;
-  double pivot = isMass ? 1 : 0, size = pivot;
+[[gnu::always_inline]] inline void SemiseparableSystem::moveOn(int number, double (&m)[R], double (&l)[R], double (&W)[R][R]) const {
+  if (const int transition = transition_[number]; transition >= 0) {
+    pass<R>(transition, W);
+    turnForward<R>(transition, m);
+    turnForward<R>(transition, l);
+  }
+  const double *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
   for (int i = 0; i < R; ++i) {
-    double Wg = 0, Wp = 0;
-    for (int j = 0; j < R; ++j) {
-      Wg += W[i][j] * g[j];
-      Wp += W[j][i] * p[j];
-    }
-    pivot -= p[i] * Wg;
-    size += std::abs(p[i] * Wg);
-    m[i] = -Wg;
-    l[i] = -Wp;
+    m[i] += own[i];
+    l[i] += own[i];
   }
-  if (!(std::abs(pivot) > dependence_ * size))
-    return 0;
-  const double inverse = 1 / pivot;
-  if (isMass) {
-    const double *own = vectors_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
-    if (transition_[number] >= 0) {
-      pass<R>(transition_[number], W);
-      turnForward<R>(transition_[number], m);
-      turnForward<R>(transition_[number], l);
-    }
-    for (int i = 0; i < R; ++i) {
-      m[i] += own[i];
-      l[i] += own[i];
-    }
-  }
-  for (int i = 0; i < R; ++i) {
-    const double factor = m[i] * inverse;
-    for (int j = 0; j < R; ++j)
-      W[i][j] += factor * l[j];
-  }
-  return inverse;
 }
 
-// LU without exchanges.
+// Out of the factors of one unknown.
+template <int R>
+[[gnu::always_inline]] inline void SemiseparableSystem::prepareSubstitution(std::size_t place, const double (&m)[R], const double (&l)[R]) {
+  const int number = order_[place], transition = number < size_ ? transition_[number] : -1;
+  const double inverse = inverse_[place], *p = row_.data() + place * R, *g = column_.data() + place * R;
+  double *forward = forward_.data() + place * R * R, *back = back_.data() + place * R * R;
+  for (int i = 0; i < R; ++i) {
+    const double left = left_[place * R + i] = m[i] * inverse, right = right_[place * R + i] = l[i] * inverse;
+    for (int j = 0; j < R; ++j) {
+      forward[i * R + j] = (i == j) - left * p[j];
+      back[j * R + i] = (i == j) - right * g[j];
+    }
+  }
+  if (transition < 0)
+    return;
+  const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(transition) * mostVectors * mostVectors;
+  for (int i = 0; i < R; ++i)
+    for (int j = 0; j < R; ++j) {
+      forward[i * R + j] += change[i * mostVectors + j] - (i == j);
+      back[i * R + j] += change[j * mostVectors + i] - (i == j);
+    }
+}
+
+// LU without exchanges. After some of the unknowns the entries that are left, of row i and column j behind them, are those of the matrix
+// less p_i·W g_j; W is the mobility of what has been eliminated, as the next body feels it.
 template <int R> bool SemiseparableSystem::eliminateAll() {
-  double W[R][R] = {};
+  double W[R][R] = {}, ofMass[R][R] = {}, m[R], l[R], size = 0;
+  determinant_ = {};
   for (std::size_t place = 0; place < order_.size(); ++place) {
-    const std::size_t at = place * R;
-    inverse_[place] = eliminate<R>(order_[place], &row_[at], &column_[at], W, &left_[at], &right_[at]);
-    if (inverse_[place] == 0)
+    const int number = order_[place];
+    const bool isMass = number < size_;
+    const double diagonal = isMass ? diagonal_[number] : 0, *p = row_.data() + place * R;
+    const double pivot = findPivot<R>(W, p, column_.data() + place * R, diagonal, m, l, size);
+    if (!(std::abs(pivot) > dependence_ * size))
       return false;
+    const double inverse = inverse_[place] = 1 / pivot;
+    if (isMass)
+      moveOn<R>(number, m, l, W);
+    addFactors<R>(m, l, inverse, W);
+    prepareSubstitution<R>(place, m, l);
+    if (!followsDeterminant_)
+      continue;
+    determinant_.multiply(pivot);
+    if (!isMass)
+      continue;
+    const double massInverse = 1 / findPivot<R>(ofMass, p, p, diagonal, m, l, size);
+    moveOn<R>(number, m, l, ofMass);
+    addFactors<R>(m, l, massInverse, ofMass);
+    determinant_.multiply(massInverse);
   }
   return true;
 }
 
-// S x and Sᵀ x of a transition.
+// S x of a transition.
 template <int R> void SemiseparableSystem::turnForward(int number, double *x) const {
   const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors * mostVectors;
   double turned[R];
@@ -430,36 +490,26 @@ template <int R> void SemiseparableSystem::turnForward(int number, double *x) co
   std::copy_n(turned, R, x);
 }
 
-template <int R> void SemiseparableSystem::turnBack(int number, double *x) const {
-  const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors * mostVectors;
-  double turned[R] = {};
-  for (int i = 0; i < R; ++i)
-    for (int j = 0; j < R; ++j)
-      turned[j] += change[i * mostVectors + j] * x[i];
-  std::copy_n(turned, R, x);
-}
-
 template <int R> void SemiseparableSystem::substitute(const double *rightHandSide, double *solution) const {
   double sum[R] = {};
   const std::size_t count = order_.size();
-  const auto transitionAt = [this](int number) { return number < size_ ? transition_[number] : -1; };
+  const auto advance = [&sum](const double *matrix, const double *vector, double factor) {
+    double next[R];
+    for (int i = 0; i < R; ++i)
+      next[i] = product<R>(matrix + static_cast<std::ptrdiff_t>(i) * R, sum) + vector[i] * factor;
+    std::copy_n(next, R, sum);
+  };
   for (std::size_t place = 0; place < count; ++place) {
-    const int number = order_[place], transition = transitionAt(number);
-    const double value = (rightHandSide[number] - product<R>(row_.data() + place * R, sum)) * inverse_[place];
-    solution[number] = value;
-    if (transition >= 0)
-      turnForward<R>(transition, sum);
-    for (int k = 0; k < R; ++k)
-      sum[k] += left_[place * R + k] * value;
+    const int number = order_[place];
+    solution[number] = (rightHandSide[number] - product<R>(row_.data() + place * R, sum)) * inverse_[place];
+    advance(forward_.data() + place * R * R, left_.data() + place * R, rightHandSide[number]);
   }
   std::fill_n(sum, R, 0.0);
   for (std::size_t place = count; place-- > 0;) {
-    const int number = order_[place], transition = transitionAt(number);
-    const double value = solution[number] -= product<R>(right_.data() + place * R, sum) * inverse_[place];
-    if (transition >= 0)
-      turnBack<R>(transition, sum);
-    for (int k = 0; k < R; ++k)
-      sum[k] += column_[place * R + k] * value;
+    const int number = order_[place];
+    const double value = solution[number];
+    solution[number] = value - product<R>(right_.data() + place * R, sum);
+    advance(back_.data() + place * R * R, column_.data() + place * R, value);
   }
 }
 
@@ -468,35 +518,48 @@ void SemiseparableSystem::solveOnce(const double *rightHandSide, double *solutio
 }
 
 // Right-hand sides less what the solution makes of them, of scaled rows, relative to what they are made of.
-double SemiseparableSystem::findResidual(const double *force, const double *bias, const double *acceleration, const double *forces) {
-  rowForce_.assign(rows_.size(), 0.0);
-  for (std::size_t u = 0; u < unknowns_.size(); ++u)
-    rowForce_[unknowns_[u]] += forces[u];
-  for (const Friction &friction : frictions_)
-    rowForce_[friction.row] += friction.factor * forces[friction.unknown];
+double SemiseparableSystem::findResidual(const double *force, const double *bias, const double *acceleration, const double *forces,
+                                         Check check) {
   double *rest = residual_.data();
-  std::copy_n(force, size_, rest);
-  subtractProduct(mass_, size_, size_, acceleration, rest);
   rowProduct_.resize(rows_.size());
-  for (std::size_t r = 0; r < rows_.size(); ++r)
-    rowProduct_[r] = dotAndAdd(rows_[r].entries, acceleration, rowForce_[r], rest, rows_[r].end);
-  double largest = 0, size = 0, rowError = 0;
+  if (check == Check::Everything) {
+    rowForce_.assign(rows_.size(), 0.0);
+    for (std::size_t u = 0; u < unknowns_.size(); ++u)
+      rowForce_[unknowns_[u]] += forces[u];
+    for (const Friction &friction : frictions_)
+      rowForce_[friction.row] += friction.factor * forces[friction.unknown];
+    std::copy_n(force, size_, rest);
+    subtractProduct(mass_, size_, size_, acceleration, rest);
+    for (std::size_t r = 0; r < rows_.size(); ++r)
+      rowProduct_[r] = dotAndAdd(rows_[r].entries, acceleration, rowForce_[r], rest, size_);
+  } else {
+    std::fill_n(rest, size_, 0.0);
+    for (const int r : unknowns_)
+      rowProduct_[r] = denseDot(rows_[r].entries, acceleration, rows_[r].end);
+  }
+  double largest = 0, size = 0, rowError = 0, sum = 0;
   for (int i = 0; i < size_; ++i) {
     rest[i] *= scale_[i];
+    sum += rest[i];
     largest = std::max(largest, std::abs(rest[i]));
-    size = std::max({size, std::abs(force[i] * scale_[i]), std::abs(acceleration[i] / scale_[i])});
+    size = std::max({size, std::abs(force[i] * scale_[i]), std::abs(acceleration[i] * root_[i])});
   }
   for (std::size_t u = 0; u < unknowns_.size(); ++u) {
     const double value = -bias[u] - rowProduct_[unknowns_[u]];
     const double terms = std::abs(bias[u]) + rowSize_[u] * size;
     rest[size_ + static_cast<int>(u)] = value;
+    sum += value;
     if (std::abs(value) > 0)
       rowError = std::max(rowError, std::abs(value) / terms);
   }
+  // Which comparisons would pass over.
+  if (!std::isfinite(sum))
+    return std::numeric_limits<double>::infinity();
   return std::max(largest > 0 ? largest / size : 0, rowError);
 }
 
-bool SemiseparableSystem::solve(const double *force, const double *bias, double *acceleration, double *forces, double accuracy) {
+bool SemiseparableSystem::solve(const double *force, const double *bias, double *acceleration, double *forces, double accuracy,
+                                Check check) {
   constexpr double converging = 1e-7;  // what is left of such a residual by one more correction is rounding
   constexpr double credible = 1e-10;
   constexpr int mostCorrections = 3;
@@ -518,31 +581,13 @@ bool SemiseparableSystem::solve(const double *force, const double *bias, double 
       forces[u] += correction_[size_ + u];
     if (correction > 0 && error <= converging)
       return true;
-    error = findResidual(force, bias, acceleration, forces);
+    error = findResidual(force, bias, acceleration, forces, check);
     if (error <= accuracy)
       return true;
     if (!(error < (isKnown_ ? credible : 1)))
       return false;
   }
   return false;
-}
-
-template <int R> SemiseparableSystem::Determinant SemiseparableSystem::determinantOf() const {
-  double W[R][R] = {}, m[R], l[R];
-  Determinant determinant;
-  for (std::size_t place = 0; place < order_.size(); ++place) {
-    determinant.multiply(1 / inverse_[place]);
-    if (order_[place] >= size_)
-      continue;
-    const double *row = row_.data() + place * R;
-    determinant.multiply(eliminate<R>(order_[place], row, row, W, m, l));
-  }
-  return determinant;
-}
-
-// That of the whole matrix over that of M.
-SemiseparableSystem::Determinant SemiseparableSystem::determinant() const {
-  return withVectors(count_, [this](auto vectors) { return determinantOf<vectors()>(); });
 }
 
 }  // namespace tf::runtime

@@ -44,13 +44,16 @@ public:
   // `frictions` are those of all unknowns. All must exist while the system is solved. False: not of this kind, or singular.
   bool factorise(const double *mass, int size, std::span<const Row> rows, std::span<const int> unknowns,
                  std::span<const Friction> frictions);
-  // The same at other numbers, of as many rows with the same ends: the vectors are those of the same rows. That the others are sums of them
-  // is not checked here, it shows in what solve() leaves. False: see there.
+  // The same at other numbers, of as many rows with the same ends: the vectors are those of the same rows. That the others are sums of
+  // them, and that rows are zero behind their ends, is not checked here, it shows in what solve() leaves. False: see there.
   bool refactorise(const double *mass, std::span<const Row> rows);
+  // Of what a solution leaves: all equations, or those of the rows alone, where the others have been seen to hold with these numbers.
+  enum class Check : std::uint8_t { Everything, Rows };
   // `acceleration` [size] and `forces` [unknowns] for f = `force` [size] and c = `bias` [unknowns], in the units of the model. False: not
   // to the accuracy of the numbers; after refactorise(), that the vectors have to be found anew. Residuals up to `accuracy`, relative to
   // what they are made of, are left.
-  bool solve(const double *force, const double *bias, double *acceleration, double *forces, double accuracy = rounding);
+  bool solve(const double *force, const double *bias, double *acceleration, double *forces, double accuracy = rounding,
+             Check check = Check::Everything);
 
   // Number of vectors.
   [[nodiscard]] int vectorCount() const { return count_; }
@@ -59,18 +62,20 @@ public:
   struct Determinant {
     double mantissa = 1;
     int exponent = 0;
-    void multiply(double factor);
+    void multiply(double factor);  // by one whose magnitude is far from those of the least and the largest numbers
     [[nodiscard]] double relativeTo(const Determinant &other) const;
   };
-  // Of the matrix J_u M⁻¹ F_wᵀ of the unknowns.
-  [[nodiscard]] Determinant determinant() const;
+  // Of the matrix J_u M⁻¹ F_wᵀ of the unknowns: that of the whole matrix over that of M. Factorisations find it unless they are told not
+  // to.
+  [[nodiscard]] const Determinant &determinant() const { return determinant_; }
+  void followDeterminant(bool follows) { followsDeterminant_ = follows; }
 
 private:
   bool factoriseListed();
   bool scaleColumns();
   bool findVectors();
   bool findVectorsAt(int end);
-  void readCoefficients(int last, int end);
+  template <int R> void readCoefficients(int last, int end);
   void listExpressed();
   void sortByEnd(std::size_t count);
   void dropColumns(int end);
@@ -80,26 +85,28 @@ private:
   void keepColumn(int end);
   void order();
   void combine();
-  template <int R> double eliminate(int number, const double *p, const double *g, double (&W)[R][R], double *m, double *l) const;
+  template <int R> void moveOn(int number, double (&m)[R], double (&l)[R], double (&W)[R][R]) const;
   template <int R> bool eliminateAll();
+  template <int R> void prepareSubstitution(std::size_t place, const double (&m)[R], const double (&l)[R]);
   template <int R> void substitute(const double *rightHandSide, double *solution) const;
-  template <int R> [[nodiscard]] Determinant determinantOf() const;
   template <int R> void pass(int number, double (&W)[R][R]) const;
   template <int R> void turnForward(int number, double *x) const;
-  template <int R> void turnBack(int number, double *x) const;
   void solveOnce(const double *rightHandSide, double *solution) const;
-  double findResidual(const double *force, const double *bias, const double *acceleration, const double *forces);
+  double findResidual(const double *force, const double *bias, const double *acceleration, const double *forces, Check check);
 
   // The vectors are slots of this number, those not in use zero.
   [[nodiscard]] double *reduced(int k) { return reduced_.data() + static_cast<std::ptrdiff_t>(k) * stride_; }
 
   double dependence_;
+  bool followsDeterminant_ = true;
+  Determinant determinant_;
   const double *mass_ = nullptr;
   int size_ = 0, stride_ = 0, count_ = 0;
   std::span<const Row> rows_;
   std::span<const int> unknowns_;
   std::span<const Friction> frictions_;
-  std::vector<double> scale_;  // of columns: 1/√M_jj
+  // Of columns: √M_jj of the numbers that were factorised first, 1/√M_jj, and M_jj as scaled by them.
+  std::vector<double> root_, scale_, diagonal_;
   // The basis of the columns that are left, in reduced echelon form, of scaled columns; the columns of its pivots (−1: a slot that is not
   // in use); that of the columns before by it; and what takes one step of a change of the basis into that.
   std::vector<double> reduced_;
@@ -119,8 +126,11 @@ private:
   std::vector<int> firstOfEnd_, byEnd_;    // of them, or of the unknowns alone, by their ends
   std::vector<int> order_;                 // of elimination: column j < n, or n + unknown
   std::vector<int> ends_;                  // of the expressed rows
-  // In the order of elimination, count_ each: rows p and columns g of what is left, m and l of the factors, and 1/pivot.
+  // In the order of elimination, count_ each: rows p and columns g of what is left, m and l of the factors over the pivots, and 1/pivot.
   std::vector<double> row_, column_, left_, right_, inverse_;
+  // As well, count_² each: what takes the sums of a substitution over one unknown, forward S − m pᵀ/pivot and back Sᵀ − g lᵀ/pivot, S the
+  // transition. An unknown's value waits for none of the values before, but for their sums.
+  std::vector<double> forward_, back_;
   std::vector<double> residual_, correction_, rowForce_, rowProduct_;
 };
 

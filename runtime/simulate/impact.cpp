@@ -1,5 +1,7 @@
 #include "runtime/simulate/impact.h"
 
+#include "runtime/contact/dense_kernels.h"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -42,7 +44,6 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
     const bool grazes = std::binary_search(grazing_.begin(), grazing_.end(), contacts[i]);
     problem_.normalVelocity[i] = grazes ? 0 : at_.gapRate[contacts[i]];
     problem_.rate[i] = at_.rate[contacts[i]];
-    problem_.restitution[i] = elastic_ ? at_.restitution[contacts[i]] : 0;
     problem_.law[i] = static_cast<ImpactLaw>(model.contacts[contacts[i]].law);
   }
   for (std::size_t j = 0; j < tangents.size(); ++j)
@@ -54,6 +55,19 @@ void Impact::assemble(double time, const double *state, const std::vector<int> &
   for (const int row : tangents)
     largest = std::max(largest, at_.scales.slip(row, velocities));
   problem_.resolution = roundingOfVelocities * largest;
+  readRestitution();
+}
+
+void Impact::readRestitution() {
+  for (std::size_t i = 0; i < rows_.contacts().size(); ++i)
+    problem_.restitution[i] = elastic_ ? at_.restitution[rows_.contacts()[i]] : 0;
+}
+
+// Slips of two components have the state moved before their impact.
+bool Impact::isAssembled(double time, const double *state, const std::vector<int> &contacts) const {
+  return !assembledState_.empty() && time == assembledTime_ && contacts == rows_.contacts() &&
+         std::equal(assembledState_.begin(), assembledState_.end(), state) &&
+         std::all_of(problem_.partner.begin(), problem_.partner.end(), [](int partner) { return partner < 0; });
 }
 
 // Impulse times velocity of the boundary: what the row's velocity J v lacks of its rate, and H v of zero.
@@ -82,15 +96,15 @@ void Impact::certify(const FrozenResult &result, const std::vector<double> &impu
   const int n = problem_.normalCount, count = problem_.count();
   const auto metric = [this](int r) { return problem_.delassus(r, r) > 0 ? std::sqrt(problem_.delassus(r, r)) : 1.0; };
   const double fastest = problem_.resolution / roundingOfVelocities;
+  std::vector<double> &change = impulse_;
+  change.assign(count, 0.0);
+  addColumns(problem_.delassus.data(), count, count, 1, impulse.data(), change.data());
   double scale = 0, worst = 0;
   const auto include = [&worst](double violation) { worst = violation > worst || std::isnan(violation) ? violation : worst; };
   for (int r = 0; r < count; ++r) {
     const double before = r < n ? problem_.normalVelocity[r] : problem_.slipVelocity[r - n], after = result.velocity[r];
-    double change = 0;
-    for (int c = 0; c < count; ++c)
-      change += problem_.delassus(r, c) * impulse[c];
     scale = std::max({scale, fastest / metric(r), std::abs(before) / metric(r), std::abs(after) / metric(r)});
-    include(std::abs(after - before - change) / metric(r));
+    include(std::abs(after - before - change[r]) / metric(r));
     if (r < n)
       include(std::max(-after / metric(r), -impulse[r] * metric(r)));
   }
@@ -110,6 +124,8 @@ const std::vector<int> &Impact::reached(double time, const double *state, const 
   if (approaching.size() == touching.size() || at_.model().nv <= RowSystem::narrow)
     return touching;
   assemble(time, state, touching);
+  assembledTime_ = time;
+  assembledState_.assign(state, state + at_.stateSize());
   coupled_.find(problem_.delassus, problem_);
   starters_.clear();
   for (const int contact : approaching)
@@ -162,7 +178,11 @@ const FrozenResult &Impact::follow(const std::vector<int> &forced) {
 
 bool Impact::apply(double time, double *state, const std::vector<int> &contacts, const std::vector<int> &forced, double *normalImpulse) {
   const tf_model &model = at_.model();
-  assemble(time, state, contacts);
+  if (isAssembled(time, state, contacts))
+    readRestitution();
+  else
+    assemble(time, state, contacts);
+  assembledState_.clear();
   const FrozenResult &result = follow(forced);
   breakpoints_ = result.breakpointCount;
   isUnbounded_ = result.status == FrozenStatus::Unbounded;

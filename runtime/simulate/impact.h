@@ -51,6 +51,8 @@ private:
   void findWork(const double *impulse, const double *velocities);
   void certify(const FrozenResult &result, const std::vector<double> &impulse);
   void assemble(double time, const double *state, const std::vector<int> &contacts);
+  void readRestitution();
+  [[nodiscard]] bool isAssembled(double time, const double *state, const std::vector<int> &contacts) const;
   [[nodiscard]] int rowOf(int contact) const;
   const FrozenResult &follow(const std::vector<int> &forced);
 
@@ -62,7 +64,10 @@ private:
   AdmissibleImpulse admissible_;
   CoupledContacts coupled_;
   std::vector<int> reached_, starters_;  // contacts; their normal rows
-  std::vector<double> total_;            // impulse of the rows
+  // Where `reached` has assembled the problem, which `apply` may take over; empty: nowhere.
+  std::vector<double> assembledState_;
+  double assembledTime_ = 0;
+  std::vector<double> total_;  // impulse of the rows
   FrozenPhase phase_;
   SpatialFrozenPhase spatialPhase_;  // where there are slips of two components
   std::vector<std::uint8_t> mask_;

@@ -264,16 +264,26 @@ void RestPrediction::classify(const double *state) {
   }
 }
 
-// D and φ at the positions of the state and these velocities.
-bool RestPrediction::evaluateCoefficients(double time, const std::vector<double> &state) {
-  at_.setPoint(time, state.data());
+// D at the positions of the state.
+bool RestPrediction::evaluateDelassus(double time, const double *state) {
+  at_.setPoint(time, state);
   if (!at_.dynamics())
     return false;
   at_.contactTerms(takesPart_.data());
   rows_.assemble(at_, problem_.delassus, problem_);
+  return true;
+}
+
+// φ alone, at other velocities: D depends on none.
+void RestPrediction::evaluateBias(double time, const std::vector<double> &state) {
+  at_.setPoint(time, state.data());
+  at_.forces();
+  if (at_.model().nh > 0)
+    at_.constraintRows();
+  at_.contactTerms(takesPart_.data());
+  rows_.gatherLimits(at_, problem_);
   at_.mobility.accelerate(at_.force.data(), at_.constraintBias.data(), at_.acceleration.data());
   rows_.bias(at_, at_.acceleration.data(), problem_.bias);
-  return true;
 }
 
 // Takes the velocities of the touching contacts, which vanish at the point of rest, out of the state: terms of φ that are quadratic in
@@ -344,33 +354,44 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
 }
 
 bool RestPrediction::predict(double time, const double *state, Prediction &prediction) {
-  if (isDisplaced_)
-    return predictWithChosen(time, state, prediction);
-  chooseContacts(time, state);
-  do {
-    if (!predictWithChosen(time, state, prediction))
-      return false;
-  } while (addReachable(time, state, prediction.point));
-  return true;
+  if (!isDisplaced_)
+    chooseContacts(time, state);
+  const auto addsReachable = [&] { return !isDisplaced_ && addReachable(time, state, prediction.point); };
+  while (predictWithChosen(time, state, prediction))
+    if (!addsReachable()) {
+      if (!refine(time, state, prediction))
+        return false;
+      if (!addsReachable())
+        return true;
+    }
+  return false;
 }
 
-// The point of rest with the coefficients of this instant, evaluated with the velocities that are left at the end.
+// The point of rest with the coefficients of this instant.
 bool RestPrediction::predictWithChosen(double time, const double *state, Prediction &prediction) {
-  const tf_model &model = at_.model();
-  std::vector<double> coefficients(state, state + dynamics_.size());
   chooseRows(time, state);
-  if (!evaluateCoefficients(time, coefficients))
+  if (!evaluateDelassus(time, state))
     return false;
+  std::vector<double> coefficients(state, state + dynamics_.size());
   stopTouching(coefficients);
-  for (int pass = 0; pass < 2; ++pass) {
-    if (!evaluateCoefficients(time, coefficients))
-      return false;
-    const AccumulationPoint *end = sequence_.follow(problem_);
-    if (end == nullptr || !(end->time > 0) || !moveTo(*end, time, state, prediction.point))
-      return false;
-    prediction.remaining = end->time;
-    std::copy_n(prediction.point.state.begin() + model.nq, model.nv, coefficients.begin() + model.nq);
-  }
+  return follow(coefficients, time, state, prediction);
+}
+
+// With the velocities that the last prediction leaves at its end.
+bool RestPrediction::refine(double time, const double *state, Prediction &prediction) {
+  const int nq = at_.model().nq, nv = at_.model().nv;
+  std::vector<double> coefficients(state, state + dynamics_.size());
+  std::copy_n(prediction.point.state.begin() + nq, nv, coefficients.begin() + nq);
+  return follow(coefficients, time, state, prediction);
+}
+
+// To where the sequence leads with φ of the state `coefficients`.
+bool RestPrediction::follow(const std::vector<double> &coefficients, double time, const double *state, Prediction &prediction) {
+  evaluateBias(time, coefficients);
+  const AccumulationPoint *end = sequence_.follow(problem_);
+  if (end == nullptr || !(end->time > 0) || !moveTo(*end, time, state, prediction.point))
+    return false;
+  prediction.remaining = end->time;
   return true;
 }
 

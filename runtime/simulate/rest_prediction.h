@@ -78,12 +78,15 @@ private:
   void chooseRows(double time, const double *state);
   void choosePair(int j);
   void classify(const double *state);
-  bool evaluateCoefficients(double time, const std::vector<double> &state);
+  bool evaluateDelassus(double time, const double *state);
+  void evaluateBias(double time, const std::vector<double> &state);
   void stopTouching(std::vector<double> &state);
   void accumulate(const AccumulationPoint &end, RestPoint &point) const;
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
   bool predict(double time, const double *state, Prediction &prediction);
   bool predictWithChosen(double time, const double *state, Prediction &prediction);
+  bool refine(double time, const double *state, Prediction &prediction);
+  bool follow(const std::vector<double> &coefficients, double time, const double *state, Prediction &prediction);
   bool differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction);
   [[nodiscard]] int longerPause() const;
   void add(Prediction prediction);

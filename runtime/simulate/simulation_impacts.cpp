@@ -77,19 +77,19 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   return TF_OK;
 }
 
-// Onto what a mode holds at zero, whether or not it has admissible forces: settle() decides whether the contacts stay closed. Returns the
-// size of the last correction, infinity where the rows cannot be evaluated.
-double Simulation::Implementation::projectOnto(const Mode &mode, double time, double *state) {
+// Onto what a mode holds at zero, whether or not it has admissible forces: settle() decides whether the contacts stay closed. False: the
+// rows cannot be evaluated.
+bool Simulation::Implementation::projectOnto(const Mode &mode, double time, double *state) {
   constexpr int mostPasses = 3;
   constexpr double rounding = 1e-14;
   const double *scale = integrators_.current().settings().scale.data();
   double correction = 1;
   for (int pass = 0; pass < mostPasses && correction > rounding; ++pass) {
     if (!dynamics_.hold(mode, time, state))
-      return std::numeric_limits<double>::infinity();
+      return false;
     correction = dynamics_.project(time, state, scale);
   }
-  return correction;
+  return true;
 }
 
 // Contacts touch within the accuracy of events only. Corners of one face then are not quite in one plane, and their slips, which one motion
@@ -107,7 +107,7 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
   for (const int i : contacts)
     touching.closed[i] = at_.gapRate[i] <= selection_.stillRate(i, state_.data()) ? 1 : 0;
   std::vector<double> moved = state_;
-  if (!std::isfinite(projectOnto(touching, time_, moved.data())))
+  if (!projectOnto(touching, time_, moved.data()))
     return;
   const double *scale = integrators_.current().settings().scale.data();
   for (int k = 0; k < model_.nq; ++k)
@@ -182,7 +182,7 @@ tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts,
                                                          : Tangent::SlipNegative;
     }
   }
-  const auto stop = [&](double time, double *state) { return std::isfinite(projectOnto(resting, time, state)); };
+  const auto stop = [&](double time, double *state) { return projectOnto(resting, time, state); };
   std::vector<double> stopped = state_;
   const std::vector<double> gapRates = at_.gapRate, slips = at_.slip;
   if (!stop(time_, stopped.data()))

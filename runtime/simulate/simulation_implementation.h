@@ -161,7 +161,7 @@ private:
   // simulation_impacts.cpp
   [[nodiscard]] double velocityScale(const std::vector<int> &contacts) const;
   tf_status freeze(std::vector<Transition> &transitions, int forced);
-  double projectOnto(const Mode &mode, double time, double *state);
+  bool projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
   tf_status stopFaint(const std::vector<int> &contacts);
   [[nodiscard]] bool acceptsStop(const std::vector<int> &contacts, const Mode &resting, const std::vector<double> &gapRates,

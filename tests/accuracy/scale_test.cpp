@@ -78,6 +78,15 @@ TEST(LongChain, KeepsItsBalanceWhereAStraightPieceIsBent) {
   EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, 1e-9);
 }
 
+// At 0.712 s friction of nodes that nearly lie flat is at its limit, which it exceeds by less than what passes for zero in accelerations.
+TEST(ChainOfEighty, GoesOnWhereFrictionIsAtItsLimit) {
+  CompiledModel model(chainOf(80));
+  model.tolerance(2e-8).run(0.75);
+  for (const double gap : model.valuesOf(TF_KIND_GAP))
+    EXPECT_GE(gap, -1e-9);
+  EXPECT_LT(tf_get_statistics(model.simulation())->worst_residual, 1e-8);
+}
+
 // Impacts run through the chain as ever fainter ones. Those far below the tolerance are not followed as hops that no number resolves, and
 // what they leave out is not seen in the result.
 TEST(LongChain, FaintImpactsEndAtOnce) {

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <numbers>
 
 namespace tf::runtime {
@@ -225,7 +226,6 @@ TEST(ContactSolver, ChainAtRestOnFourNodes) {
   }
 }
 
-// Units: the decision and the forces' physical values do not depend on them.
 // A body that is pressed on redundant contacts, and another one in free fall between two contacts that hardly open: to hold these too would
 // take pulling forces, larger than what passes for zero.
 TEST(ContactSolver, IdleContactsDoNotPull) {
@@ -247,6 +247,32 @@ TEST(ContactSolver, IdleContactsDoNotPull) {
   EXPECT_TRUE(forces.start(problem, solution.mode));
 }
 
+// Three sticking rows, two of them equal, along (1, 0), (1, 0), (1, ε): the last one bears more than friction gives, by so little that what
+// remains of its acceleration passes for zero. It begins to slip, against its force.
+TEST(ContactSolver, StickThatHardlyExceedsItsFrictionSlips) {
+  constexpr double lever = 1e-2, limit = 0.25, excess = 2e-7;
+  ContactProblem problem;
+  problem.resize(0, 3);
+  const std::array<double, 3> along = {0, 0, lever}, held = {0.3, 0.45 - excess, limit + excess};
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c)
+      problem.delassus(r, c) = 1 + along[r] * along[c];
+  for (int r = 0; r < 3; ++r) {
+    problem.bound[r] = r == 2 ? limit : 1;
+    problem.bias[r] = 0;
+    for (int c = 0; c < 3; ++c)
+      problem.bias[r] -= problem.delassus(r, c) * held[c];
+  }
+  ContactSolver solver;
+  const ContactSolution &solution = solver.solve(problem);
+  ASSERT_EQ(solution.status, ContactStatus::Solved);
+  EXPECT_EQ(solution.mode.slip, (std::vector<std::int8_t>{0, 0, -1}));
+  ModeForces forces;
+  EXPECT_TRUE(forces.start(problem, solution.mode));
+  EXPECT_DOUBLE_EQ(forces.forces()[2], limit);
+}
+
+// The decision and the forces' physical values do not depend on units.
 TEST(ContactSolver, DoesNotDependOnUnits) {
   const auto box = body(1, 0.1, 0.3, {{-0.5, -0.3}, {0.5, -0.3}}, 0.5);
   ContactSolver solver;

@@ -26,6 +26,22 @@ TEST(DenseKernels, DotIsTheSumOfProducts) {
   }
 }
 
+// To the bit: one product after the other, in any width.
+TEST(DenseKernels, AddsColumnsOneAfterTheOther) {
+  for (int rows = 0; rows <= 80; ++rows)
+    for (const int columns : {0, 1, 7, 30})
+      for (const double factor : {1.0, -1.0}) {
+        const Eigen::MatrixXd matrix = Eigen::MatrixXd::Random(rows, columns);
+        const Eigen::VectorXd x = Eigen::VectorXd::Random(columns), before = Eigen::VectorXd::Random(rows + 1);
+        Eigen::VectorXd y = before, expected = before;
+        addColumns(matrix.data(), rows, columns, factor, x.data(), y.data());
+        for (int k = 0; k < columns; ++k)
+          for (int i = 0; i < rows; ++i)
+            expected[i] += factor * x[k] * matrix(i, k);
+        EXPECT_EQ(y, expected) << rows << " × " << columns;
+      }
+}
+
 TEST(DenseKernels, FactorsAndSolvesEverySize) {
   for (int n = 1; n <= 40; ++n) {
     const Eigen::MatrixXd root = Eigen::MatrixXd::Random(n, n);

@@ -131,6 +131,25 @@ TEST(LeastNorm, EqualVariablesShareUntilAConstraintTellsThemApart) {
 }
 
 // Optimality (Karush, Kuhn, Tucker) is sufficient, as the problem is strictly convex.
+// Of a point in the plane x + y + z = 3, x ≥ 1, y ≥ 0, z ≥ 0: x grows until y and z are zero; x + y + z ≥ 2 has always the slack 1.
+TEST(LeastNorm, SlackGrowsUntilAnotherInequalityIsMet) {
+  const double third = 1 / std::sqrt(3.0);
+  LeastNorm problem;
+  problem.resize(3, 1, 4);
+  set(problem, 0, {third, third, third}, 3 * third);
+  set(problem, 1, {1, 0, 0}, 1);
+  set(problem, 2, {0, 1, 0}, 0);
+  set(problem, 3, {0, 0, 1}, 0);
+  set(problem, 4, {third, third, third}, 2 * third);
+  ASSERT_EQ(problem.solve(1e-12, 1e-12), LeastNorm::Status::Solved);
+  const std::vector<double> point = problem.point();
+  EXPECT_NEAR(problem.slackWithinReach(1), 2, 1e-13);
+  EXPECT_FALSE(problem.isFixed());
+  EXPECT_NEAR(problem.slackWithinReach(4), third, 1e-14);
+  EXPECT_TRUE(problem.isFixed());
+  EXPECT_EQ(problem.point(), point);
+}
+
 TEST(LeastNorm, RandomPolyhedraAreSolvedToOptimality) {
   std::mt19937 random(21);
   std::uniform_real_distribution<double> uniform(-1, 1);
@@ -170,6 +189,17 @@ TEST(LeastNorm, RandomPolyhedraAreSolvedToOptimality) {
     ASSERT_LT(gradient.norm(), 1e-8) << "run " << run;
     for (int k = equations; k < N.cols(); ++k)
       ASSERT_GE(N.col(k).dot(x) - c(k), -1e-10) << "run " << run;
+    // What is within reach is there: as far along the normal as one may go.
+    LeastNorm far = problem;
+    for (int k = equations; k < N.cols(); ++k) {
+      const double reach = problem.slackWithinReach(k);
+      ASSERT_GE(reach, problem.slack(k) - 1e-12) << "run " << run;
+      for (int i = 0; i < n; ++i)
+        far.origin(i) = x[i] + 1e7 * N(i, k);
+      ASSERT_EQ(far.solveAgain(1e-6, 1e-6), LeastNorm::Status::Solved) << "run " << run;
+      ASSERT_GE(far.slack(k), std::min(reach, 100.0) - 1e-4) << "run " << run;
+      ASSERT_TRUE(!problem.isFixed() || far.slack(k) < reach + 1e-4) << "run " << run;
+    }
     // The same active set again gives the same point.
     const Eigen::VectorXd before = x;
     ASSERT_TRUE(problem.solveActive()) << "run " << run;

@@ -212,6 +212,26 @@ TEST(SemiseparableSystem, RefusesNumbersThatAreNone) {
   system.mass(4, 2) = system.mass(2, 4) = std::nan("");
   SemiseparableSystem solver;
   EXPECT_FALSE(system.factorise(solver));
+  const System sound = onGround(chain, {3, 20});
+  ASSERT_TRUE(sound.factorise(solver));
+  std::vector<double> force(20 + 2, 1), bias(sound.unknowns.size(), 1), acceleration(force), forces(bias);
+  EXPECT_FALSE(solver.refactorise(system.mass.data(), system.listed) &&
+               solver.solve(force.data(), bias.data(), acceleration.data(), forces.data()));
+}
+
+// Rows alone hold to the accuracy, whatever is left of the rest.
+TEST(SemiseparableSystem, ChecksRowsAlone) {
+  const Chain chain = randomChain(true, false, 30, 7);
+  const System system = onGround(chain, {4, 17, 30});
+  SemiseparableSystem solver;
+  solver.followDeterminant(false);
+  ASSERT_TRUE(system.factorise(solver));
+  const Eigen::VectorXd force = Eigen::VectorXd::Zero(32),
+                        bias = Eigen::VectorXd::Random(static_cast<Eigen::Index>(system.unknowns.size()));
+  Eigen::VectorXd acceleration(32), forces(bias.size());
+  ASSERT_TRUE(solver.solve(force.data(), bias.data(), acceleration.data(), forces.data(), 1e-10, SemiseparableSystem::Check::Rows));
+  EXPECT_LT((system.unknownRows() * acceleration + bias).norm(), 1e-9 * bias.norm());
+  EXPECT_LT((system.mass * acceleration - system.forces().transpose() * forces).norm(), 1e-9 * forces.norm());
 }
 
 }  // namespace
