@@ -17,7 +17,7 @@ bool simulate(tf_simulation *simulation, double tolerance, double end) {
 }
 
 bool train(const std::string &library, double end) {
-  constexpr double tolerances[] = {1e-4, 1e-6, 1e-8};
+  constexpr double tolerances[] = {1e-2, 1e-4, 1e-6, 1e-8};
   constexpr double seconds = 0.2;  // for each tolerance
   constexpr int mostRuns = 5000;
   tf_simulation *simulation = nullptr;
