@@ -69,8 +69,8 @@ struct ContactSolver::Workspace {
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
   bool settleForces(const ContactProblem &problem);
-  bool freeOverloaded(const ContactProblem &problem);
   [[nodiscard]] bool sticks(const ContactProblem &problem, int j) const;
+  bool freeOverloaded(const ContactProblem &problem);
   bool startSlow(const ContactProblem &problem);
   void listDegenerate(const ContactProblem &problem, const ContactMode *preferred);
   void markDegenerate(const ContactProblem &problem, const ContactMode *preferred, const ForceLimit &limit);
@@ -221,6 +221,13 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   return true;
 }
 
+// One component that friction holds.
+bool ContactSolver::Workspace::sticks(const ContactProblem &problem, int j) const {
+  const int owner = problem.owner[j];
+  return (owner < 0 || solution.mode.closed[owner] != 0) && problem.slipSign[j] == 0 && problem.partner[j] < 0 &&
+         solution.mode.slip[j] == 0 && !withoutFriction(problem, j);
+}
+
 // A mode without admissible forces, although its accelerations are those of the solution: to hold rows whose acceleration is about zero
 // takes forces beyond their limits by some such size. Contacts that pull open, and slips whose friction exceeds its limit begin. False:
 // there are none.
@@ -245,13 +252,6 @@ bool ContactSolver::Workspace::freeOverloaded(const ContactProblem &problem) {
     isAny = true;
   }
   return isAny;
-}
-
-// One component that friction holds.
-bool ContactSolver::Workspace::sticks(const ContactProblem &problem, int j) const {
-  const int owner = problem.owner[j];
-  return (owner < 0 || solution.mode.closed[owner] != 0) && problem.slipSign[j] == 0 && problem.partner[j] < 0 &&
-         solution.mode.slip[j] == 0 && !withoutFriction(problem, j);
 }
 
 // As well: friction at its limit whose slip begins so slowly that it counts as a stick may hold none. These slips begin. False: there are

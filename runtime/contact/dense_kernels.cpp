@@ -339,24 +339,10 @@ TF_WIDE void addManyColumns(const double *matrix, int rows, int columns, double 
 }
 
 TF_WIDE double dotAndAdd(const double *row, const double *x, double factor, double *y, int count) {
-  if (factor == 0)
-    return dotOf(row, x, count);
-  Lanes sum{}, a, b;
-  int k = 0;
-  for (; k + panelLanes <= count; k += panelLanes) {
-    load(a, row + k);
-    load(b, x + k);
-    sum += a * b;
-    load(b, y + k);
-    b += factor * a;
-    store(b, y + k);
-  }
-  double rest = 0;
-  for (; k < count; ++k) {
-    rest += row[k] * x[k];
-    y[k] += factor * row[k];
-  }
-  return sumOf(sum) + rest;
+  const double sum = dotOf(row, x, count);
+  if (factor != 0)
+    addOf(factor, row, y, count);
+  return sum;
 }
 
 TF_WIDE double copyAndWeigh(const double *x, const double *weight, int count, double *y) {
