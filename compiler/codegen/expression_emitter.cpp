@@ -57,8 +57,9 @@ Argument argumentOf(ir::SymbolKind kind) {
   return {0, ""};
 }
 
-const char *const arrayNames[TF_IN_COUNT] = {"time.in", "q.in",      "v.in",       "z.in",    "u.in",          "p.in",     "alpha.in",
-                                             "a.in",    "normal.in", "tangent.in", "zdot.in", "multiplier.in", "radius.in"};
+const char *const arrayNames[TF_IN_COUNT] = {"time.in", "q.in",          "v.in",      "z.in",         "u.in",
+                                             "p.in",    "alpha.in",      "a.in",      "normal.in",    "tangent.in",
+                                             "zdot.in", "multiplier.in", "radius.in", "directions.in"};
 
 }  // namespace
 

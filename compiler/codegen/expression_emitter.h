@@ -1,6 +1,7 @@
 // LLVM values of expression nodes within one LLVM function.
 #pragma once
 
+#include "compiler/ir/function.h"
 #include "compiler/ir/graph.h"
 
 #include <llvm/IR/IRBuilder.h>
@@ -14,7 +15,7 @@ namespace tf::codegen {
 
 // Directions that a sweep's loop follows at once: what depends on seeds is a vector of so many numbers. Two vectors where a machine's are
 // half as wide: the operations of one wait for each other.
-inline constexpr unsigned sweepLanes = 8;
+inline constexpr unsigned sweepLanes = ir::Sweep::directions;
 
 // A node's value as a number (of a node that depends on seeds, a vector) and, for Booleans, as a bit; made from one another when first
 // needed, so that conditions made of relations never become numbers.

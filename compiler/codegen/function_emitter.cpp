@@ -287,7 +287,7 @@ public:
     const auto late = static_cast<std::size_t>(std::ranges::find_if(plan_.units, isLate) - plan_.units.begin());
     emit(0, std::min(loop, late));
     if (function_.sweep)
-      emitSweep(*function_.sweep, function_.name, {builder_, target_->getArg(1), target_->getArg(2), frame_},
+      emitSweep(*function_.sweep, function_.name, {builder_, target_->getArg(0), target_->getArg(1), target_->getArg(2), frame_},
                 [&] { emit(loop, afterLoop); });
     emit(late, plan_.units.size());
     builder_.CreateRetVoid();

@@ -82,6 +82,7 @@ std::span<const LibraryFunction> libraryFunctions() {
       entry("ceil", static_cast<Unary>(::ceil)),
       entry("sincos", &::sincos),
       entry("fma", static_cast<Ternary>(::fma)),
+      entry("memcpy", &::memcpy),
       entry("memset", &::memset),
   };
   return functions;

@@ -2,6 +2,7 @@
 
 #include "compiler/codegen/control_flow.h"
 #include "compiler/codegen/expression_emitter.h"
+#include "runtime/abi/tf_model.h"
 
 #include <llvm/IR/Constants.h>
 #include <llvm/IR/Module.h>
@@ -14,6 +15,8 @@
 namespace tf::codegen {
 
 namespace {
+
+static_assert(sweepLanes == TF_DIRECTIONS);
 
 // Numbers of a run in the table; `Lane` is that of its colour. It stands for those of the next lanes as well, `Lanes` in all, whose places
 // follow one another.
@@ -222,9 +225,32 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
                        llvm::Align(sizeof(double)));
   llvm::Value *results =
       builder.CreateConstInBoundsGEP1_32(builder.getDoubleTy(), context.frame, static_cast<unsigned>(firstResultRow(sweep)) * sweepLanes);
-  llvm::Type *integer = builder.getInt32Ty();
-  const auto passes = static_cast<std::uint32_t>(tables.seedBegin.size() - 1);
-  countedLoop(builder, builder.getInt32(0), builder.getInt32(passes), [&](llvm::Value *pass) {
+  llvm::Type *integer = builder.getInt32Ty(), *pointer = builder.getPtrTy();
+  llvm::Value *passes = builder.getInt32(static_cast<std::uint32_t>(tables.seedBegin.size() - 1));
+  llvm::Value *isGiven = sweep.products < 0 ? builder.getFalse() : builder.CreateIsNotNull(context.mask, "isGiven");
+  llvm::Value *count = sweep.products < 0 ? passes : builder.CreateSelect(isGiven, builder.getInt32(1), passes);
+  const auto copyRows = [&](llvm::Value *to, llvm::Value *from, std::size_t rows) {
+    const llvm::Align alignment(alignof(double));
+    builder.CreateMemCpy(to, alignment, from, alignment, rows * rowBytes);
+  };
+  // Of the caller's directions, or of those of a pass.
+  const auto choose = [&](const std::function<void()> &ofCaller, const std::function<void()> &ofPass) {
+    if (sweep.products < 0)
+      return ofPass();
+    llvm::Function *function = builder.GetInsertBlock()->getParent();
+    llvm::BasicBlock *caller = llvm::BasicBlock::Create(module.getContext(), "caller", function);
+    llvm::BasicBlock *own = llvm::BasicBlock::Create(module.getContext(), "own", function);
+    llvm::BasicBlock *next = llvm::BasicBlock::Create(module.getContext(), "next", function);
+    builder.CreateCondBr(isGiven, caller, own);
+    builder.SetInsertPoint(caller);
+    ofCaller();
+    builder.CreateBr(next);
+    builder.SetInsertPoint(own);
+    ofPass();
+    builder.CreateBr(next);
+    builder.SetInsertPoint(next);
+  };
+  countedLoop(builder, builder.getInt32(0), count, [&](llvm::Value *pass) {
     llvm::Value *next = builder.CreateNSWAdd(pass, builder.getInt32(1));
     llvm::Value *firstRun = element(builder, integer, runBegin, pass), *lastRun = element(builder, integer, runBegin, next);
     llvm::Value *firstSeed = element(builder, integer, seedBegin, pass), *lastSeed = element(builder, integer, seedBegin, next);
@@ -237,10 +263,22 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
       builder.CreateCall(setSeeds(module),
                          {context.frame, seeds, firstSeed, lastSeed, llvm::ConstantFP::get(builder.getDoubleTy(), value)});
     };
-    set(1);
+    choose(
+        [&] {
+          llvm::Value *directions = element(builder, pointer, context.inputs, builder.getInt32(TF_IN_DIRECTIONS));
+          copyRows(context.frame, directions, static_cast<std::size_t>(sweep.seedCount));
+        },
+        [&] { set(1); });
     emitBody();
-    builder.CreateCall(storeRuns(module, isGrouped), {results, runs, firstRun, lastRun, context.outputs, context.mask, groups});
-    set(0);
+    choose(
+        [&] {
+          llvm::Value *products = element(builder, pointer, context.outputs, builder.getInt32(static_cast<std::uint32_t>(sweep.products)));
+          copyRows(products, results, sweep.results.size());
+        },
+        [&] {
+          builder.CreateCall(storeRuns(module, isGrouped), {results, runs, firstRun, lastRun, context.outputs, context.mask, groups});
+          set(0);
+        });
     builder.CreateBr(done);
     builder.SetInsertPoint(done);
   });

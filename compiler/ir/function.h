@@ -30,6 +30,9 @@ struct Clear {
 // of that colour 1 and all others 0, and stored by the colour's runs (Curtis, Powell, Reid, On the estimation of sparse Jacobian matrices,
 // 1974). Seeds of one colour have no result in common, so that each result is an entry of the matrix.
 struct Sweep {
+  // That are followed at once: columns of the arrays of directions and products, TF_DIRECTIONS of the model's interface.
+  static constexpr int directions = 8;
+
   struct Result {
     NodeId node = -1;
     int group = -1;  // evaluated and stored where mask[group] != 0
@@ -48,6 +51,9 @@ struct Sweep {
   int seedCount = 0;
   std::vector<Result> results;
   std::vector<Colour> colours;
+  // Instead of the runs, where a mask is given to a function without groups: out[products] = the results along the directions that the
+  // caller gives (TF_IN_DIRECTIONS), a row of `directions` numbers for each; −1: never.
+  int products = -1;
 };
 
 // Contract: nodes are roots in the graph passed beside it; every position of a buffer is stored at most once; groups are numbered from 0

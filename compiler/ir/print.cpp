@@ -384,6 +384,8 @@ std::string print(const Function &function, const Graph &graph, const SymbolName
   if (function.sweep)
     for (std::size_t k = 0; k < function.sweep->results.size(); ++k)
       text += fmt::format("  result[{}] = {}\n", k, printer.text(function.sweep->results[k].node));
+  if (function.sweep && function.sweep->products >= 0)
+    text += fmt::format("  out[{}] = results along the caller's directions if mask\n", function.sweep->products);
   list(function.additions, "+=");
   return text;
 }

@@ -1,5 +1,6 @@
 #include "compiler/ir/function.h"
 #include "compiler/ir/operations.h"
+#include "compiler/ir/sweep.h"
 
 #include <fmt/format.h>
 
@@ -58,6 +59,25 @@ std::string verifyRun(const Function &function, const Sweep::Run &run, std::set<
   return {};
 }
 
+std::string verifyProducts(const Function &function, const Graph &graph) {
+  const Sweep &sweep = *function.sweep;
+  const auto buffer = static_cast<std::size_t>(sweep.products);
+  const int size = static_cast<int>(sweep.results.size()) * Sweep::directions;
+  if (buffer >= function.bufferSizes.size() || function.bufferSizes[buffer] != size)
+    return fmt::format("{}: out[{}]: there is no such buffer of {} products", function.name, sweep.products, size);
+  if (function.groups > 0)
+    return fmt::format("{}: the mask selects groups and products", function.name);
+  // What depends on no seed is not evaluated in the loop.
+  std::vector<NodeId> nodes;
+  for (const Sweep::Result &result : sweep.results)
+    nodes.push_back(result.node);
+  const std::vector<std::vector<int>> structure = seedStructure(graph, nodes, sweep.seedCount);
+  for (std::size_t k = 0; k < structure.size(); ++k)
+    if (structure[k].empty())
+      return fmt::format("{}: products with a result {} that depends on no seed", function.name, k);
+  return {};
+}
+
 std::string verifySweep(const Function &function, const Graph &graph, std::set<std::pair<int, int>> &stored) {
   const Sweep &sweep = *function.sweep;
   for (const Sweep::Result &result : sweep.results) {
@@ -66,6 +86,9 @@ std::string verifySweep(const Function &function, const Graph &graph, std::set<s
     if (result.group < -1 || result.group >= function.groups)
       return fmt::format("{}: there is no group {}", function.name, result.group);
   }
+  if (sweep.products >= 0)
+    if (std::string wrong = verifyProducts(function, graph); !wrong.empty())
+      return wrong;
   for (const Sweep::Colour &colour : sweep.colours) {
     for (const int seed : colour.seeds)
       if (seed < 0 || seed >= sweep.seedCount)

@@ -74,6 +74,12 @@ public:
     ir::addSweep(function_, results, structure, seedCount, over, rows);
   }
 
+  // The sweep gives the products of its matrix with directions as well.
+  void addProducts() {
+    ir::Sweep &sweep = *function_.sweep;
+    sweep.products = emptyBuffer(static_cast<int>(sweep.results.size()) * ir::Sweep::directions);
+  }
+
   ir::Function take() { return std::move(function_); }
 
 private:
@@ -241,6 +247,8 @@ void ModelFunctions::addDynamics(FunctionBuilder &builder) {
   }
   builder.buffer(system_.force);
   builder.buffer(system_.stateDerivatives);
+  if (!system_.massProduct.empty())
+    builder.addProducts();
 }
 
 ir::Function ModelFunctions::dynamics() {

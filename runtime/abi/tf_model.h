@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 13u
+#define TF_ABI_VERSION 14u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -41,8 +41,12 @@ enum tf_in {
   TF_IN_ZDOT = 10,       /* nz: z' */
   TF_IN_MULTIPLIER = 11, /* nh: multipliers of constraint rows */
   TF_IN_RADIUS = 12,     /* nq + 1: half the width of a box around q, then around the time */
-  TF_IN_COUNT = 13
+  TF_IN_DIRECTIONS = 13, /* nv x TF_DIRECTIONS: velocities, one direction in each column */
+  TF_IN_COUNT = 14
 };
+
+/* Directions that are followed at once. */
+#define TF_DIRECTIONS 8
 
 typedef void (*tf_function)(const double *const *in, double *const *out, const uint8_t *mask);
 
@@ -200,6 +204,7 @@ typedef struct tf_model {
   const double *parameters;         /* np: the values of unbound parameters (0 for bound ones) */
   int32_t binding_depth;            /* bindings must be evaluated this often for all bound parameters to be right */
   int32_t mass_is_constant;         /* M depends on parameters only */
+  int32_t mass_products;            /* `dynamics` has them */
   int32_t uniform_flight;           /* nz = nh = nr = 0, and f depends on parameters only as well: free flight has constant accelerations */
   /* Entries of M below the diagonal that may differ from zero: mass_columns[mass_rows[i]] ... mass_columns[mass_rows[i + 1] - 1] of row i,
      ascending. mass_rows: nv + 1; null where all entries may. */
@@ -218,7 +223,8 @@ typedef struct tf_model {
   /* in: TIME, Q, V. out: 0 N [nq x nv], 1 d(N v)/dq [nq x nq]. Null where `kinematics` is. */
   tf_function kinematics_derivatives;
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 M [nv x nv] symmetric, both halves; 1 f [nv], all forces but those of contacts, frictions and
-     constraints, less the bias terms of M v'; 2 z' [nz]. */
+     constraints, less the bias terms of M v'; 2 z' [nz]. Where mass_products and a mask are given, in: DIRECTIONS as well, out: 3 their
+     products with M [nv x TF_DIRECTIONS], which cost less than M; of 0 entries that are zero everywhere at most. The mask is not read. */
   tf_function dynamics;
   /* in: TIME, Q, V, Z, U, P, ALPHA. out: 0 gap [nc], 1 its rate [nc] = Jn v + d gap/dt, 2 slip [nt], 3 c [ns]. mask:
      2 nc + nf + 1 bytes, gap and rate of each contact, slips of each contact, slip of each friction element, all c. */

@@ -127,8 +127,12 @@ void PlanarFrictionSolver::completeMode(PlanarFrictionMode &mode) const {
 
 // Forces and accelerations of the candidate's mode; false where its equations are singular.
 bool PlanarFrictionSolver::evaluate(Candidate &candidate) {
+  setEquations(candidate.mode);
+  return solveEquations(candidate);
+}
+
+void PlanarFrictionSolver::setEquations(const PlanarFrictionMode &mode) {
   const int n = scaled_.normalCount, m = scaled_.tangentCount;
-  const PlanarFrictionMode &mode = candidate.mode;
   active_.resize(n + m);
   slip_.resize(m);
   fixed_.resize(n);
@@ -142,6 +146,11 @@ bool PlanarFrictionSolver::evaluate(Candidate &candidate) {
     active_[n + j] = mode.slip[j] == 0 && carriesForce(j, mode) ? 1 : 0;
   }
   equations_.setMode(rows_, active_.data(), slip_.data());
+}
+
+// False: they are singular.
+bool PlanarFrictionSolver::solveEquations(Candidate &candidate) {
+  const int n = scaled_.normalCount, m = scaled_.tangentCount;
   equations_.assemble(rows_, factor_.matrix());
   if (!factor_.factor(singularMode))
     return false;

@@ -113,8 +113,15 @@ private:
   int enumerate(const PlanarFrictionMode *previous, bool firstOnly);
   void countChanges(const PlanarFrictionMode *previous);
   [[nodiscard]] bool preferred() const;
-  bool evaluateRedundant(Candidate &candidate);
-  bool updateMode(Candidate &candidate) const;
+  void setEquations(const PlanarFrictionMode &mode);
+  bool solveEquations(Candidate &candidate);
+  // Whether the equations of a singular mode agree with one another.
+  enum class Agreement : std::uint8_t { Agree, Contradict, NotFinite };
+  Agreement solveRedundant(Candidate &candidate);
+  bool solveLikeBefore(Candidate &candidate, Equations &kind);
+  // The rows that move to the state that they ask for: all of them, or the one that is farthest off.
+  enum class Change : std::uint8_t { All, Farthest };
+  bool updateMode(Candidate &candidate, Change change) const;
   bool accept();
   bool activeSet(const PlanarFrictionMode *start, Equations known);
   bool pivot();

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <utility>
 
 namespace tf::runtime {
 
@@ -23,8 +24,8 @@ constexpr double roundingError = 1e-13;
 
 }  // namespace
 
-// Forces of a singular mode whose equations are consistent: iterated proximal points x ← x + (A + δ I)⁻¹ (b − A x).
-bool PlanarFrictionSolver::evaluateRedundant(Candidate &candidate) {
+// Forces of a mode whose equations are singular: iterated proximal points x ← x + (A + δ I)⁻¹ (b − A x).
+PlanarFrictionSolver::Agreement PlanarFrictionSolver::solveRedundant(Candidate &candidate) {
   equations_.assemble(rows_, modeMatrix_);
   const int k = equations_.activeCount();
   DenseMatrix &A = factor_.matrix();
@@ -33,19 +34,21 @@ bool PlanarFrictionSolver::evaluateRedundant(Candidate &candidate) {
   for (int r = 0; r < k; ++r)
     A(r, r) += regularisation;
   if (!factor_.factor(0))
-    return false;
+    return Agreement::NotFinite;
   const int count = scaled_.normalCount + scaled_.tangentCount;
   unknown_.resize(k);
   equations_.rightHandSide(rows_, fixed_.data(), unknown_.data());
   target_.assign(unknown_.begin(), unknown_.end());
   factor_.solve(unknown_.data());
+  double largest = std::numeric_limits<double>::infinity();
   for (int pass = 0; pass < refinements; ++pass) {
     residual_.assign(target_.begin(), target_.end());
     addColumns(modeMatrix_.data(), k, k, -1, unknown_.data(), residual_.data());
-    double largest = 0;
+    const double before = std::exchange(largest, 0);
     for (const double r : residual_)
       largest = std::max(largest, std::abs(r));
-    if (largest <= 1e-2 * roundingError * magnitude_)
+    // Rounding, or a contradiction, keeps later passes from coming nearer.
+    if (largest <= 1e-2 * roundingError * magnitude_ || (largest >= 0.5 * before && largest <= roundingError * magnitude_))
       break;
     factor_.solve(residual_.data());
     for (int r = 0; r < k; ++r)
@@ -61,17 +64,42 @@ bool PlanarFrictionSolver::evaluateRedundant(Candidate &candidate) {
   for (int r = 0; r < k; ++r)
     candidate.acceleration[equations_.active()[r]] = residual_[r];
   candidate.violation = violation(candidate.force, candidate.acceleration);
-  return std::isfinite(candidate.violation);
+  if (!std::isfinite(candidate.violation))
+    return Agreement::NotFinite;
+  return largest <= roundingError * magnitude_ ? Agreement::Agree : Agreement::Contradict;
+}
+
+// The mode's equations, of the kind that those of the mode before were, or else of the other one.
+bool PlanarFrictionSolver::solveLikeBefore(Candidate &candidate, Equations &kind) {
+  setEquations(candidate.mode);
+  Agreement agreement = Agreement::NotFinite;
+  const bool wasSingular = kind == Equations::Singular;
+  if (wasSingular && (agreement = solveRedundant(candidate)) == Agreement::Agree)
+    return true;
+  kind = solveEquations(candidate) ? Equations::Regular : Equations::Singular;
+  if (kind == Equations::Singular && !wasSingular)
+    agreement = solveRedundant(candidate);
+  return kind == Equations::Regular || agreement != Agreement::NotFinite;
 }
 
 // False where nothing changes.
-bool PlanarFrictionSolver::updateMode(Candidate &candidate) const {
+bool PlanarFrictionSolver::updateMode(Candidate &candidate, Change change) const {
   const int n = scaled_.normalCount;
   const double zero = roundingError * magnitude_;
   bool changed = false;
-  const auto move = [&changed](auto &state, auto next) {
-    changed = changed || state != next;
-    state = next;
+  double farthest = zero;
+  int farthestRow = -1;
+  NormalState normal = NormalState::Off;
+  std::int8_t tangent = 0;
+  const auto move = [&](auto &state, auto next, auto &kept, int row, double by) {
+    changed = true;
+    if (change == Change::All) {
+      state = next;
+    } else if (by > farthest) {
+      farthest = by;
+      farthestRow = row;
+      kept = next;
+    }
   };
   for (int i = 0; i < n; ++i) {
     if (scaled_.normalKind[i] != NormalKind::Unilateral)
@@ -79,11 +107,11 @@ bool PlanarFrictionSolver::updateMode(Candidate &candidate) const {
     NormalState &state = candidate.mode.normal[i];
     const double force = candidate.force[i], acceleration = candidate.acceleration[i];
     if (state == NormalState::Active && force < -zero)
-      move(state, NormalState::Off);
+      move(state, NormalState::Off, normal, i, -force);
     else if (state == NormalState::Active && force > scaled_.upper[i] + zero)
-      move(state, NormalState::Upper);
+      move(state, NormalState::Upper, normal, i, force - scaled_.upper[i]);
     else if ((state == NormalState::Off && acceleration < -zero) || (state == NormalState::Upper && acceleration > zero))
-      move(state, NormalState::Active);
+      move(state, NormalState::Active, normal, i, std::abs(acceleration));
   }
   for (int j = 0; j < scaled_.tangentCount; ++j) {
     const TangentKind kind = scaled_.tangentKind[j];
@@ -92,11 +120,15 @@ bool PlanarFrictionSolver::updateMode(Candidate &candidate) const {
     std::int8_t &slip = candidate.mode.slip[j];
     const double force = candidate.force[n + j], bound = limit(j, candidate.force);
     if (slip != 0 && slip * candidate.acceleration[n + j] < -zero)
-      move(slip, std::int8_t{0});
+      move(slip, std::int8_t{0}, tangent, n + j, std::abs(candidate.acceleration[n + j]));
     else if (slip == 0 && carriesForce(j, candidate.mode) && std::abs(force) > bound + zero &&
              (kind == TangentKind::TwoSided || force * scaled_.sign[j] > 0))
-      move(slip, static_cast<std::int8_t>(force > 0 ? -1 : 1));
+      move(slip, static_cast<std::int8_t>(force > 0 ? -1 : 1), tangent, n + j, std::abs(force) - bound);
   }
+  if (farthestRow >= n)
+    candidate.mode.slip[farthestRow - n] = tangent;
+  else if (farthestRow >= 0)
+    candidate.mode.normal[farthestRow] = normal;
   return changed;
 }
 
@@ -119,22 +151,25 @@ bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start, Equations 
       trial_.mode.normal[i] = scaled_.bias[i] <= 0 ? NormalState::Active : NormalState::Off;
     trial_.mode.slip.assign(scaled_.tangentCount, 0);
   }
+  Change change = Change::All;
+  Equations kind = known;
   for (int iteration = 0; iteration < iterationLimit; ++iteration) {
     completeMode(trial_.mode);
     // Each mode follows from the one before: one that returns does so again and again (Brent's test: it is compared with those after 1, 2,
-    // 4, … iterations).
-    if (iteration > 0 && trial_.mode == returning_)
-      return false;
+    // 4, … iterations). From there on rows move one at a time, as they do in pivoting, but from a mode that few rows contradict.
+    if (iteration > 0 && trial_.mode == returning_) {
+      if (change == Change::Farthest)
+        return false;
+      change = Change::Farthest;
+    }
     if ((iteration & (iteration - 1)) == 0)
       returning_ = trial_.mode;
-    if (known == Equations::Unknown)
-      known = evaluate(trial_) ? Equations::Regular : Equations::Singular;
-    if (known == Equations::Singular && !evaluateRedundant(trial_))
+    const bool isSolved = iteration == 0 && known == Equations::Regular;
+    if (!isSolved && !solveLikeBefore(trial_, kind))
       return false;
-    known = Equations::Unknown;
     if (trial_.violation <= 10 * roundingError)
       return accept();
-    if (!updateMode(trial_))
+    if (!updateMode(trial_, change))
       return trial_.violation <= tolerance_ && accept();
   }
   return false;

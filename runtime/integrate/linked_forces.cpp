@@ -3,6 +3,7 @@
 #include "runtime/contact/dense_kernels.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -32,7 +33,7 @@ bool LinkedForces::choose(const ModelEvaluation &at, const RowSystem &rows, cons
   shares_.assign(rows.count(), 0.0);
   equations_.clear();
   saturated_.clear();
-  isKnown_ = false;
+  isKnown_ = samples_ = false;
   if (rows.count() > 0 && !start.listEquations(equations_, saturated_))
     return false;
   mayPress_ = rows.count() > 0 && start.mayPress();
@@ -209,7 +210,35 @@ bool LinkedForces::factorise(const ModelEvaluation &at, const RowSystem &rows, c
     unknowns_.push_back(number_[set.equation]);
   listFrictions(rows.normalCount(), problem);
   isKnown_ = system_.factorise(at.massMatrix.data(), at.model().nv, rows_, unknowns_, frictions_);
+  sampled_.clear();
   return isKnown_;
+}
+
+// Of solutions: well below what shows; of small tolerances rounding is not far from it.
+double LinkedForces::accuracy() const {
+  constexpr double part = 1e-5;
+  return std::max(SemiseparableSystem::rounding, part * forceError_);
+}
+
+// Those of all systems. False: they are too many.
+bool LinkedForces::chooseColumns() {
+  sampleColumns_ = system_.columns();
+  for (const Correction &correction : corrections_)
+    if (correction.isKnown)
+      for (const int column : correction.system.columns())
+        if (std::find(sampleColumns_.begin(), sampleColumns_.end(), column) == sampleColumns_.end())
+          sampleColumns_.push_back(column);
+  return sampleColumns_.size() <= MassSample::mostColumns;
+}
+
+MassSample *LinkedForces::sample(const ModelEvaluation &at) {
+  constexpr double resolved = 1e-12;  // sums of many entries are no better
+  samples_ = isKnown_ && at.model().mass_products != 0 && accuracy() >= resolved && chooseColumns();
+  if (samples_ && sampleColumns_ != sampled_) {
+    sampled_ = sampleColumns_;
+    sample_.choose(sampled_, system_.scale());
+  }
+  return samples_ ? &sample_ : nullptr;
 }
 
 // Friction may begin or cease to take part, as coefficients are zero or not.
@@ -221,7 +250,7 @@ bool LinkedForces::refactorise(const ModelEvaluation &at, const RowSystem &rows,
   if (!readRows(at, rows))
     return false;
   listFrictions(n, problem);
-  return system_.refactorise(at.massMatrix.data(), rows_);
+  return samples_ ? system_.refactorise(sample_, rows_, accuracy()) : system_.refactorise(at.massMatrix.data(), rows_);
 }
 
 void LinkedForces::expand(const ContactProblem &problem) {
@@ -244,17 +273,15 @@ bool LinkedForces::solve(const ModelEvaluation &at, const RowSystem &rows, const
   unknownForce_.resize(sets_.size());
   for (std::size_t s = 0; s < sets_.size(); ++s)
     bias_[s] = rows.modelBias(at, sets_[s].equation);
-  // Well below what shows: of small tolerances rounding is not far from it.
-  constexpr double part = 1e-5;
-  return system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data(),
-                       std::max(SemiseparableSystem::rounding, part * forceError_));
+  return system_.solve(force_.data(), bias_.data(), acceleration, unknownForce_.data(), accuracy());
 }
 
-bool LinkedForces::evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration,
-                            ModeForces &forces) {
+bool LinkedForces::evaluate(ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces) {
   for (Correction &correction : corrections_)
     correction.isCurrent = false;
   if (!(isKnown_ && refactorise(at, rows, problem) && solve(at, rows, problem, acceleration))) {
+    at.completeMass();
+    samples_ = false;
     rows.gatherRows(at);
     if (!factorise(at, rows, problem) || !solve(at, rows, problem, acceleration))
       return false;
@@ -289,17 +316,25 @@ void LinkedForces::compareEqual(const ModelEvaluation &at, const RowSystem &rows
     }
 }
 
-bool LinkedForces::factorise(const ModelEvaluation &at, Correction &correction) {
+bool LinkedForces::factorise(ModelEvaluation &at, Correction &correction) {
   if (correction.isCurrent)
     return true;
-  const double *mass = at.massMatrix.data();
-  correction.isKnown = (correction.isKnown && correction.system.refactorise(mass, rows_)) ||
-                       correction.system.factorise(mass, at.model().nv, rows_, correction.unknowns, {});
+  SemiseparableSystem &system = correction.system;
+  // The sample's sums have been seen to be right.
+  constexpr double accepted = std::numeric_limits<double>::infinity();
+  const bool again = correction.isKnown;
+  correction.isKnown = samples_ && again && system.refactorise(sample_, rows_, accepted);
+  if (!correction.isKnown) {
+    at.completeMass();
+    const double *mass = at.massMatrix.data();
+    correction.isKnown =
+        (again && system.refactorise(mass, rows_)) || system.factorise(mass, at.model().nv, rows_, correction.unknowns, {});
+  }
   correction.isCurrent = correction.isKnown;
   return correction.isKnown;
 }
 
-bool LinkedForces::correct(const ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change) {
+bool LinkedForces::correct(ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change) {
   if (!isKnown_ || !joined_.empty())
     return false;
   chosen_.clear();

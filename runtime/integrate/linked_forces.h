@@ -22,14 +22,18 @@ public:
   // Part of the forces that nobody notices.
   void setForceError(double error) { forceError_ = error; }
 
-  // Forces, into `forces`, and accelerations [nv] at the evaluation's point. `rows` are gathered there where what is known of them from
-  // other points does not do. Allocates nothing once it has seen the largest system. False: it is not of this kind there, or singular.
-  bool evaluate(const ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
+  // What evaluate() needs to know of M at a point near those before: a sample, or M itself (null).
+  [[nodiscard]] MassSample *sample(const ModelEvaluation &at);
+
+  // Forces, into `forces`, and accelerations [nv] at the evaluation's point, where sample() has been evaluated. `rows` are gathered there
+  // where what is known of them from other points does not do. Allocates nothing once it has seen the largest system. False: it is not of
+  // this kind there, or singular.
+  bool evaluate(ModelEvaluation &at, RowSystem &rows, const ContactProblem &problem, double *acceleration, ModeForces &forces);
 
   // change [nv] += M⁻¹ Jᵀ x with J M⁻¹ Jᵀ x = `residual` [rows] on the rows that take part, as of the evaluation that was last. Equal rows
   // have equal residuals but for rounding: the first one's counts. False: this mode was not evaluated here, or the rows (nearly) depend on
   // each other.
-  bool correct(const ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change);
+  bool correct(ModelEvaluation &at, const std::vector<std::uint8_t> &takesPart, const double *residual, double *change);
 
 private:
   // Of the rows that take part in a correction: normal rows for coordinates, those that stick as well for velocities.
@@ -41,7 +45,7 @@ private:
     bool isKnown = false;             // `system` has been factorised with these rows, in this mode,
     bool isCurrent = false;           // at the point of the last evaluation
   };
-  bool factorise(const ModelEvaluation &at, Correction &correction);
+  bool factorise(ModelEvaluation &at, Correction &correction);
 
   // A tangential row whose friction is at its limit: its number, the place of its contact's normal row (−1: a friction element), and the
   // sign of the slip that it is opposed to. One that sticks all the same has equal rows that share what it leaves.
@@ -63,6 +67,8 @@ private:
   bool factorise(const ModelEvaluation &at, const RowSystem &rows, const ContactRows &problem);
   bool refactorise(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem);
   bool solve(const ModelEvaluation &at, const RowSystem &rows, const ContactProblem &problem, double *acceleration);
+  [[nodiscard]] double accuracy() const;
+  bool chooseColumns();
   void listRows(const RowSystem &rows);
   bool readRows(const ModelEvaluation &at, const RowSystem &rows);
   void findSets(const RowSystem &rows, const ContactRows &problem);
@@ -95,6 +101,9 @@ private:
   std::vector<SemiseparableSystem::Friction> frictions_;
   std::vector<double> force_, bias_, unknownForce_, forces_, rest_, shares_;
   Correction corrections_[2];
+  MassSample sample_;
+  std::vector<int> sampleColumns_, sampled_;  // that are wanted, and those that sample_ has
+  bool samples_ = false;                      // sample_ is M at the last evaluation
   std::vector<int> chosen_, chosenNumbers_;
   std::vector<std::uint8_t> isChosen_;  // of rows_
   std::vector<double> change_;

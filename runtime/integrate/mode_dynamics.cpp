@@ -439,11 +439,11 @@ bool ModeDynamics::evaluateLinked(double time, const double *state, double *rate
   beginEvaluation(time, state);
   isGathered_ = hasRows_ = isComplete_ = false;
   if (rows_.count() > 0) {
-    at_.contactForces(mask_.data());
+    at_.contactForces(mask_.data(), linked_.sample(at_));
     rows_.gatherLimits(at_, problem_);
     watchFriction();
   } else {
-    at_.forces();
+    at_.forces(linked_.sample(at_));
   }
   constexpr int mostFailures = 3;
   const bool good = linked_.evaluate(at_, rows_, problem_, at_.acceleration.data(), forces_) && giveRate(rate);

@@ -101,20 +101,47 @@ bool ModelEvaluation::dynamics() {
   return mobility.setConstraints(constraintJacobian.data());
 }
 
-bool ModelEvaluation::factoriseMass() { return model_->mass_is_constant != 0 || model_->nv == 0 || mobility.setMass(massMatrix.data()); }
+bool ModelEvaluation::factoriseMass() {
+  completeMass();
+  return model_->mass_is_constant != 0 || model_->nv == 0 || mobility.setMass(massMatrix.data());
+}
 
-void ModelEvaluation::contactForces(const std::uint8_t *mask) {
+void ModelEvaluation::contactForces(const std::uint8_t *mask, MassSample *sample) {
   if (model_->contact_dynamics == nullptr) {
-    forces();
+    forces(sample);
     contactTerms(mask);
     return;
   }
   model_->contact_dynamics(in_, contactDynamics_.data(), mask);
 }
 
-void ModelEvaluation::forces() {
-  double *const out[] = {massMatrix.data(), force.data(), stateRate.data()};
+void ModelEvaluation::forces(MassSample *sample) {
+  isSampled_ = sample != nullptr;
+  if (!isSampled_) {
+    double *const out[] = {massMatrix.data(), force.data(), stateRate.data()};
+    model_->dynamics(in_, out, nullptr);
+    return;
+  }
+  constexpr std::uint8_t given = 1;
+  double *const out[] = {massMatrix.data(), force.data(), stateRate.data(), sample->products()};
+  in_[TF_IN_DIRECTIONS] = sample->directions();
+  model_->dynamics(in_, out, &given);
+  sample->read();
+  sampledTime_ = time_;
+  sampledState_.assign(in_[TF_IN_Q], in_[TF_IN_Q] + stateSize());
+}
+
+void ModelEvaluation::completeMass() {
+  if (!isSampled_)
+    return;
+  isSampled_ = false;
+  const double time = time_, *state = in_[TF_IN_Q];
+  setPoint(sampledTime_, sampledState_.data());
+  ignoredForce_.resize(force.size());
+  ignoredRate_.resize(stateRate.size());
+  double *const out[] = {massMatrix.data(), ignoredForce_.data(), ignoredRate_.data()};
   model_->dynamics(in_, out, nullptr);
+  setPoint(time, state);
 }
 
 void ModelEvaluation::switching(int parts) {

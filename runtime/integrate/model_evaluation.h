@@ -4,6 +4,7 @@
 #include "runtime/abi/tf_model.h"
 #include "runtime/integrate/contact_scales.h"
 #include "runtime/integrate/gap_screen.h"
+#include "runtime/integrate/mass_sample.h"
 #include "runtime/integrate/mobility.h"
 #include "runtime/model/input_signals.h"
 
@@ -34,9 +35,12 @@ public:
   // M, f, z', the rows of the constraints and the mobility. False: M is not positive definite, or H not finite.
   bool dynamics();
   // f and z' for new step variables at the same point.
-  void forces();
+  // With a sample, which models with mass products allow: instead of M.
+  void forces(MassSample *sample = nullptr);
+  // M at the point of the last evaluation of forces, where that was with a sample.
+  void completeMass();
   // f and z' (and M, which is not factorised) with the terms of the contacts and friction elements of mask [nc + nf].
-  void contactForces(const std::uint8_t *mask);
+  void contactForces(const std::uint8_t *mask, MassSample *sample = nullptr);
   // Factorises a mass matrix that is not constant. False: it is not positive definite.
   bool factoriseMass();
   enum SwitchingPart : std::uint8_t { Gaps = 1, Slips = 2, Conditions = 4 };
@@ -148,7 +152,9 @@ private:
   SwitchingMask someMask_, oneMask_;  // of any contacts, and of one at a time
   bool readElsewhere_ = false;        // the gaps of contacts that are asleep are those at a point outside the box
   GapScreen screen_;
-  std::vector<double> coordinateRate_, gapAtCenter_;
+  std::vector<double> coordinateRate_, gapAtCenter_, sampledState_, ignoredForce_, ignoredRate_;
+  double sampledTime_ = 0;
+  bool isSampled_ = false;  // massMatrix is not that of the last evaluation of forces
 };
 
 }  // namespace tf::runtime

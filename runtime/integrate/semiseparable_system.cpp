@@ -98,6 +98,7 @@ double SemiseparableSystem::Determinant::relativeTo(const Determinant &other) co
 bool SemiseparableSystem::factorise(const double *mass, int size, std::span<const Row> rows, std::span<const int> unknowns,
                                     std::span<const Friction> frictions) {
   mass_ = mass;
+  sample_ = nullptr;
   size_ = size;
   rows_ = rows;
   unknowns_ = unknowns;
@@ -114,6 +115,21 @@ bool SemiseparableSystem::factorise(const double *mass, int size, std::span<cons
 
 bool SemiseparableSystem::refactorise(const double *mass, std::span<const Row> rows) {
   mass_ = mass;
+  sample_ = nullptr;
+  replaceRows(rows);
+  return factoriseListed();
+}
+
+bool SemiseparableSystem::refactorise(MassSample &sample, std::span<const Row> rows, double accuracy) {
+  mass_ = nullptr;
+  sample_ = &sample;
+  replaceRows(rows);
+  if (!findVectors() || !std::all_of(columns_.begin(), columns_.end(), [&sample](int column) { return sample.has(column); }))
+    return false;
+  return findDiagonal(accuracy) && factoriseVectors();
+}
+
+void SemiseparableSystem::replaceRows(std::span<const Row> rows) {
   rows_ = rows;
   isKnown_ = true;
   std::size_t k = 0;
@@ -121,12 +137,11 @@ bool SemiseparableSystem::refactorise(const double *mass, std::span<const Row> r
     expressed_[k++] = rows_[row].entries;
   for (const Friction &friction : frictions_)
     expressed_[k++] = rows_[friction.row].entries;
-  return factoriseListed();
 }
 
-bool SemiseparableSystem::factoriseListed() {
-  if (!scaleColumns() || !findVectors())
-    return false;
+bool SemiseparableSystem::factoriseListed() { return scaleColumns() && findVectors() && factoriseVectors(); }
+
+bool SemiseparableSystem::factoriseVectors() {
   combine();
   return withVectors(count_, [this](auto vectors) { return eliminateAll<vectors()>(); });
 }
@@ -164,6 +179,76 @@ bool SemiseparableSystem::scaleColumns() {
   return isPositive;
 }
 
+const double *SemiseparableSystem::massColumn(int column) const {
+  return sample_ != nullptr ? sample_->column(column) : mass_ + static_cast<std::ptrdiff_t>(column) * size_;
+}
+
+void SemiseparableSystem::noteColumn(int column) {
+  if (std::find(columns_.begin(), columns_.end(), column) == columns_.end())
+    columns_.push_back(column);
+}
+
+// Products of M as scaled, less its diagonal, which the vectors give, with L vectors: x and product [size × L].
+template <int R, int L> void SemiseparableSystem::multiplyBeside(const double *x, double *product) const {
+  const auto coefficientsOf = [](const std::vector<double> &all, int number) {
+    return all.data() + static_cast<std::ptrdiff_t>(number) * mostVectors;
+  };
+  double sum[L][R] = {};
+  for (int i = 0; i < size_; ++i) {
+    const double *outer = coefficientsOf(outer_, i), *vector = coefficientsOf(vectors_, i);
+    for (int lane = 0; lane < L; ++lane) {
+      product[i * L + lane] = tf::runtime::product<R>(outer, sum[lane]);
+      if (transition_[i] >= 0)
+        turnForward<R>(transition_[i], sum[lane]);
+      for (int k = 0; k < R; ++k)
+        sum[lane][k] += vector[k] * x[i * L + lane];
+    }
+  }
+  std::fill_n(&sum[0][0], L * R, 0.0);
+  for (int i = size_ - 1; i >= 0; --i) {
+    const double *outer = coefficientsOf(outer_, i), *vector = coefficientsOf(vectors_, i);
+    for (int lane = 0; lane < L; ++lane) {
+      product[i * L + lane] += tf::runtime::product<R>(vector, sum[lane]);
+      if (transition_[i] >= 0)
+        turnBack<R>(transition_[i], sum[lane]);
+      for (int k = 0; k < R; ++k)
+        sum[lane][k] += outer[k] * x[i * L + lane];
+    }
+  }
+}
+
+// Out of the first sum of the sample; the second one tells whether M is what the vectors make of it.
+bool SemiseparableSystem::findDiagonal(double accuracy) {
+  MassSample &sample = *sample_;
+  const bool isFound = sample.hasDiagonal();
+  if (!isFound) {
+    constexpr int L = MassSample::sums;
+    weights_.resize(static_cast<std::size_t>(size_) * L);
+    products_.resize(weights_.size());
+    for (int i = 0; i < size_; ++i)
+      for (int k = 0; k < L; ++k)
+        weights_[static_cast<std::size_t>(i) * L + k] = sample.weight(i, k) * root_[i];
+    withVectors(count_, [this](auto vectors) { multiplyBeside<vectors(), L>(weights_.data(), products_.data()); });
+    for (int i = 0; i < size_; ++i) {
+      const double *weight = weights_.data() + static_cast<std::ptrdiff_t>(i) * L,
+                   *beside = products_.data() + static_cast<std::ptrdiff_t>(i) * L;
+      diagonal_[i] = (sample.sum(i, 0) * scale_[i] - beside[0]) / weight[0];
+      const double rest = sample.sum(i, 1) * scale_[i] - beside[1] - diagonal_[i] * weight[1];
+      if (!(std::abs(rest) <= accuracy))
+        return false;
+      sample.setDiagonal(i, diagonal_[i] * root_[i] * root_[i]);
+    }
+    sample.keepDiagonal();
+  }
+  bool isPositive = true;
+  for (int i = 0; i < size_; ++i) {
+    if (isFound)
+      diagonal_[i] = sample.diagonal()[i] * scale_[i] * scale_[i];
+    isPositive = isPositive && diagonal_[i] > 0;
+  }
+  return isPositive;
+}
+
 void SemiseparableSystem::sortByEnd(std::size_t count) {
   firstOfEnd_.assign(static_cast<std::size_t>(size_) + 2, 0);
   for (std::size_t k = 0; k < count; ++k)
@@ -185,6 +270,7 @@ bool SemiseparableSystem::findVectors() {
   rowOuter_.resize(expressed_.size() * mostVectors);
   transition_.assign(size_, -1);
   transitions_.clear();
+  columns_.clear();
   std::fill_n(pivot_, mostVectors, -1);
   std::fill_n(outer_.data(), mostVectors, 0.0);
   if (!isKnown_)
@@ -215,11 +301,29 @@ bool SemiseparableSystem::findVectorsAt(int end) {
     if (const int r = byEnd_[k];
         !express(expressed_[r], end, rowOuter_.data() + static_cast<std::ptrdiff_t>(r) * mostVectors, rowSize_[r], adds_[size_ + r]))
       return false;
-  double size = 0;
-  if (end < size_ && !express(mass_ + static_cast<std::ptrdiff_t>(end) * size_, end,
-                              outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors, size, adds_[end]))
+  if (end < size_ && !expressMass(end))
     return false;
   keepColumn(end);
+  return true;
+}
+
+// The row of M before its diagonal. M is read by columns.
+bool SemiseparableSystem::expressMass(int end) {
+  double *coefficients = outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors, size = 0;
+  for (int k = 0; k < count_; ++k)
+    if (pivot_[k] >= 0)
+      noteColumn(pivot_[k]);
+  if (!isKnown_ || adds_[end] != 0) {
+    if (!express(massColumn(end), end, coefficients, size, adds_[end]))
+      return false;
+    if (adds_[end] != 0)
+      noteColumn(end);
+    return true;
+  }
+  std::fill_n(coefficients, mostVectors, 0.0);
+  for (int k = 0; k < count_; ++k)
+    if (pivot_[k] >= 0)
+      coefficients[k] = massColumn(pivot_[k])[end] * scale_[pivot_[k]];
   return true;
 }
 
@@ -235,7 +339,9 @@ template <int R> void SemiseparableSystem::readCoefficients(int last, int end) {
     const double scale = pivot_[k] < 0 ? 0 : scale_[column];
     for (int place = firstOfEnd_[last]; place < firstOfEnd_[end]; ++place)
       coefficientsOf(rowOuter_, byEnd_[place])[k] = expressed_[byEnd_[place]][column] * scale;
-    const double *masses = mass_ + static_cast<std::ptrdiff_t>(column) * size_, *vector = reduced(k);
+    const double *masses = massColumn(column), *vector = reduced(k);
+    if (pivot_[k] >= 0)
+      noteColumn(column);
     for (int i = last + 1; i <= lastRow; ++i)
       outer[i * mostVectors + k] = masses[i] * scale * scale_[i];
     for (int j = last; j < end; ++j)
@@ -490,6 +596,16 @@ template <int R> void SemiseparableSystem::turnForward(int number, double *x) co
   std::copy_n(turned, R, x);
 }
 
+// Sᵀ x of a transition.
+template <int R> void SemiseparableSystem::turnBack(int number, double *x) const {
+  const double *change = transitions_.data() + static_cast<std::ptrdiff_t>(number) * mostVectors * mostVectors;
+  double turned[R] = {};
+  for (int i = 0; i < R; ++i)
+    for (int j = 0; j < R; ++j)
+      turned[j] += change[i * mostVectors + j] * x[i];
+  std::copy_n(turned, R, x);
+}
+
 template <int R> void SemiseparableSystem::substitute(const double *rightHandSide, double *solution) const {
   double sum[R] = {};
   const std::size_t count = order_.size();
@@ -517,6 +633,19 @@ void SemiseparableSystem::solveOnce(const double *rightHandSide, double *solutio
   withVectors(count_, [&](auto vectors) { substitute<vectors()>(rightHandSide, solution); });
 }
 
+// rest −= M x
+void SemiseparableSystem::subtractMassProduct(const double *x, double *rest) {
+  if (sample_ == nullptr)
+    return subtractProduct(mass_, size_, size_, x, rest);
+  weights_.resize(std::max(weights_.size(), static_cast<std::size_t>(size_)));
+  products_.resize(weights_.size());
+  for (int i = 0; i < size_; ++i)
+    weights_[i] = x[i] * root_[i];
+  withVectors(count_, [this](auto vectors) { multiplyBeside<vectors(), 1>(weights_.data(), products_.data()); });
+  for (int i = 0; i < size_; ++i)
+    rest[i] -= (products_[i] + diagonal_[i] * weights_[i]) * root_[i];
+}
+
 // Right-hand sides less what the solution makes of them, of scaled rows, relative to what they are made of.
 double SemiseparableSystem::findResidual(const double *force, const double *bias, const double *acceleration, const double *forces,
                                          Check check) {
@@ -529,7 +658,7 @@ double SemiseparableSystem::findResidual(const double *force, const double *bias
     for (const Friction &friction : frictions_)
       rowForce_[friction.row] += friction.factor * forces[friction.unknown];
     std::copy_n(force, size_, rest);
-    subtractProduct(mass_, size_, size_, acceleration, rest);
+    subtractMassProduct(acceleration, rest);
     for (std::size_t r = 0; r < rows_.size(); ++r)
       rowProduct_[r] = dotAndAdd(rows_[r].entries, acceleration, rowForce_[r], rest, size_);
   } else {

@@ -14,6 +14,8 @@
 // motions of what lies beyond may be nearly parallel.
 #pragma once
 
+#include "runtime/integrate/mass_sample.h"
+
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -47,6 +49,13 @@ public:
   // The same at other numbers, of as many rows with the same ends: the vectors are those of the same rows. That the others are sums of
   // them, and that rows are zero behind their ends, is not checked here, it shows in what solve() leaves. False: see there.
   bool refactorise(const double *mass, std::span<const Row> rows);
+  // The same where M is known by a sample, whose diagonal is found where it is not known yet. False: see there, or the sample lacks a
+  // column that is needed; what it contradicts by more than `accuracy` is none of these matrices. It must exist while the system is solved.
+  bool refactorise(MassSample &sample, std::span<const Row> rows, double accuracy);
+  // The columns of M that the last factorisation was made from, beside the diagonal.
+  [[nodiscard]] const std::vector<int> &columns() const { return columns_; }
+  // 1/√M_jj of the numbers that were factorised first.
+  [[nodiscard]] std::span<const double> scale() const { return scale_; }
   // Of what a solution leaves: all equations, or those of the rows alone, where the others have been seen to hold with these numbers.
   enum class Check : std::uint8_t { Everything, Rows };
   // `acceleration` [size] and `forces` [unknowns] for f = `force` [size] and c = `bias` [unknowns], in the units of the model. False: not
@@ -71,7 +80,13 @@ public:
   void followDeterminant(bool follows) { followsDeterminant_ = follows; }
 
 private:
+  void replaceRows(std::span<const Row> rows);
   bool factoriseListed();
+  bool factoriseVectors();
+  [[nodiscard]] const double *massColumn(int column) const;
+  void noteColumn(int column);
+  bool findDiagonal(double accuracy);
+  template <int R, int L> void multiplyBeside(const double *x, double *product) const;
   bool scaleColumns();
   bool findVectors();
   bool findVectorsAt(int end);
@@ -81,6 +96,7 @@ private:
   void dropColumns(int end);
   void turn(int k, int column, int end);
   void turnCoefficients(int k, double *coefficients) const;
+  bool expressMass(int end);
   bool express(const double *row, int end, double *coefficients, double &size, std::uint8_t &adds);
   void keepColumn(int end);
   void order();
@@ -91,7 +107,9 @@ private:
   template <int R> void substitute(const double *rightHandSide, double *solution) const;
   template <int R> void pass(int number, double (&W)[R][R]) const;
   template <int R> void turnForward(int number, double *x) const;
+  template <int R> void turnBack(int number, double *x) const;
   void solveOnce(const double *rightHandSide, double *solution) const;
+  void subtractMassProduct(const double *x, double *rest);
   double findResidual(const double *force, const double *bias, const double *acceleration, const double *forces, Check check);
 
   // The vectors are slots of this number, those not in use zero.
@@ -101,6 +119,9 @@ private:
   bool followsDeterminant_ = true;
   Determinant determinant_;
   const double *mass_ = nullptr;
+  MassSample *sample_ = nullptr;  // instead of mass_
+  std::vector<int> columns_;
+  std::vector<double> weights_, products_;
   int size_ = 0, stride_ = 0, count_ = 0;
   std::span<const Row> rows_;
   std::span<const int> unknowns_;

@@ -16,8 +16,8 @@ constexpr double usualStep = 2e-4;
 using Values = std::vector<double>;
 
 std::size_t length(const tf_model &model, int argument) {
-  const int lengths[TF_IN_COUNT] = {1,        model.nq, model.nv, model.nz, model.nu, model.np,    model.ns,
-                                    model.nv, model.nc, model.nt, model.nz, model.nh, model.nq + 1};
+  const int lengths[TF_IN_COUNT] = {1,        model.nq, model.nv, model.nz, model.nu, model.np,     model.ns,
+                                    model.nv, model.nc, model.nt, model.nz, model.nh, model.nq + 1, model.nv * TF_DIRECTIONS};
   return static_cast<std::size_t>(lengths[argument]);
 }
 

@@ -212,6 +212,57 @@ TEST(Additions, FollowTheSweep) {
   }
 }
 
+// Results along the caller's directions where a mask is given, the matrix where none is.
+TEST(Products, EqualTheInterpreterBitForBit) {
+  constexpr int n = 8;
+  for (const unsigned seed : {1U, 2U, 3U}) {
+    Compiled compiled = randomFunction(seed, seed == 3 ? 1200 : 120, 0);
+    ir::Graph &g = compiled.system.graph;
+    ir::Function &function = compiled.functions[dynamicsIndex];
+    const int matrix = static_cast<int>(function.bufferSizes.size());
+    std::vector<NodeId> results;
+    std::vector<ir::MatrixRow> rows;
+    for (int k = 0; k < 20; ++k) {
+      const NodeId factor = static_cast<NodeId>((static_cast<unsigned>(k) * 37 + seed) % static_cast<unsigned>(g.size()));
+      results.push_back(g.add(g.mul(factor, g.symbol(SymbolKind::Seed, k % n)), g.symbol(SymbolKind::Seed, (k + 3) % n)));
+      rows.push_back({matrix, k * n, -1});
+    }
+    function.bufferSizes.push_back(20 * n);
+    function.bufferSizes.push_back(20 * TF_DIRECTIONS);
+    ir::addSweep(function, results, ir::seedStructure(g, results, n), n, ir::SweepOver::Columns, rows);
+    function.sweep->products = matrix + 1;
+    ASSERT_EQ(verify(function, g), "");
+    std::mt19937 engine(seed);
+    std::uniform_real_distribution<double> uniform(-2, 2);
+    for (const int optimization : {0, 2}) {
+      const auto inMemory = compileInMemory(compiled.source(), {optimization, ""});
+      const Loaded shared(emit(compiled.source(), EmitKind::SharedLibrary, {optimization, ""}));
+      Call call(compiled.function());
+      call.inputs[TF_IN_DIRECTIONS].resize(n * TF_DIRECTIONS);
+      for (const int array : {TF_IN_Z, TF_IN_DIRECTIONS})
+        for (double &value : call.inputs[static_cast<std::size_t>(array)])
+          value = uniform(engine);
+      Call products = call, again = call;
+      const auto expected = interpret(compiled.function(), g, call, {});
+      call.run(inMemory->model()->dynamics);
+      expectSame(expected, call.outputs, "the matrix");
+      products.run(inMemory->model()->dynamics, {1});
+      again.run(shared.model()->dynamics, {1});
+      expectSame(products.outputs, again.outputs, "shared");
+      for (std::size_t lane = 0; lane < TF_DIRECTIONS; ++lane) {
+        const auto values = ir::evaluate(g, results, [&](ir::Symbol symbol) {
+          const auto index = static_cast<std::size_t>(symbol.index);
+          return symbol.kind == SymbolKind::Seed ? call.inputs[TF_IN_DIRECTIONS][index * TF_DIRECTIONS + lane] : argument(call, symbol);
+        });
+        for (std::size_t k = 0; k < results.size(); ++k)
+          EXPECT_EQ(products.outputs.back()[k * TF_DIRECTIONS + lane], values[k]) << seed << ' ' << k << ' ' << lane;
+      }
+      for (const double entry : products.outputs[static_cast<std::size_t>(matrix)])
+        EXPECT_TRUE(entry == untouched || entry == 0) << entry;
+    }
+  }
+}
+
 // What is added to the model is rows of tables.
 TEST(Repetitions, CodeDoesNotGrow) {
   const auto linesOf = [](int count) {

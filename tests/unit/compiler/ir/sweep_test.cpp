@@ -186,5 +186,29 @@ TEST_F(SweepTest, VerifierFindsWhatIsOutOfRange) {
   EXPECT_NE(verify(seeded, g), "") << "a store depends on a seed";
 }
 
+TEST_F(SweepTest, VerifierFindsProductsThatCannotBe) {
+  std::vector<NodeId> results = forward();
+  const auto count = static_cast<int>(results.size());
+  std::vector<MatrixRow> all;
+  for (int k = 0; k < count; ++k)
+    all.push_back({0, k * n, -1});
+  Function function{"f", {count * n, count * Sweep::directions}, 0, {}};
+  addSweep(function, results, seedStructure(g, results, n), n, SweepOver::Columns, all);
+  function.sweep->products = 1;
+  EXPECT_EQ(verify(function, g), "");
+  Function noBuffer(function);
+  noBuffer.sweep->products = 2;
+  EXPECT_EQ(verify(noBuffer, g), "f: out[2]: there is no such buffer of " + std::to_string(count * Sweep::directions) + " products");
+  Function tooSmall(function);
+  tooSmall.bufferSizes[1] -= 1;
+  EXPECT_NE(verify(tooSmall, g), "");
+  Function grouped(function);
+  grouped.groups = 1;
+  EXPECT_EQ(verify(grouped, g), "f: the mask selects groups and products");
+  Function constant(function);
+  constant.sweep->results[1].node = g.constant(0);
+  EXPECT_EQ(verify(constant, g), "f: products with a result 1 that depends on no seed");
+}
+
 }  // namespace
 }  // namespace tf::ir

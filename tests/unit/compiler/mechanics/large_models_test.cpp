@@ -70,7 +70,7 @@ TEST_F(LargeModels, LoopsGiveTheMatricesThatAreWrittenOut) {
     ASSERT_TRUE(loops[index].sweep) << index;
     EXPECT_EQ(ir::verify(loops[index], model->graph), "");
     const auto actual = evaluate(loops[index], *model, point), expected = evaluate(straight[index], writtenOut, point);
-    ASSERT_EQ(actual.size(), expected.size());
+    ASSERT_EQ(actual.size(), expected.size() + (index == Dynamics ? 1 : 0));  // products, of loops alone
     for (std::size_t b = 0; b < expected.size(); ++b)
       for (std::size_t k = 0; k < expected[b].size(); ++k)
         ASSERT_NEAR(actual[b][k], expected[b][k], 1e-11 * (1 + std::fabs(expected[b][k]))) << index << " out[" << b << "][" << k << ']';

@@ -158,6 +158,70 @@ TEST(SemiseparableSystem, SolvesTheSameChainElsewhere) {
 }
 
 // A row that is no sum of the vectors any more is noticed, not solved for.
+// M by its products with the directions of the sample.
+MassSample sampleOf(const SemiseparableSystem &solver, const RowMajor &mass) {
+  MassSample sample;
+  sample.choose(solver.columns(), solver.scale());
+  using Directions = Eigen::Matrix<double, Eigen::Dynamic, TF_DIRECTIONS, Eigen::RowMajor>;
+  const Eigen::Map<const Directions> directions(sample.directions(), mass.rows(), TF_DIRECTIONS);
+  Eigen::Map<Directions>(sample.products(), mass.rows(), TF_DIRECTIONS) = mass * directions;
+  sample.read();
+  return sample;
+}
+
+TEST(SemiseparableSystem, SolvesWithASampleOfTheMassMatrix) {
+  for (const bool isFree : {false, true})
+    for (const bool isRelative : {false, true})
+      for (const int rods : {12, 30, 60}) {
+        const std::string what = std::to_string(rods) + (isFree ? " free" : " hung") + (isRelative ? " relative" : " absolute");
+        const std::vector<int> nodes = {2, rods / 2, rods};
+        System begin = onGround(randomChain(isFree, isRelative, rods, 5), nodes);
+        SemiseparableSystem solver;
+        ASSERT_TRUE(begin.factorise(solver)) << what;
+        if (solver.columns().size() > MassSample::mostColumns)
+          continue;
+        Chain moved = randomChain(isFree, isRelative, rods, 5);
+        for (std::size_t k = 0; k < moved.angles.size(); ++k)
+          moved.angles[k] += 0.01 * std::sin(static_cast<double>(k));
+        const System later = onGround(moved, nodes);
+        MassSample sample = sampleOf(solver, later.mass);
+        ASSERT_TRUE(solver.refactorise(sample, later.listed, 1e-9)) << what;
+        ASSERT_TRUE(sample.hasDiagonal());
+        for (Eigen::Index i = 0; i < later.mass.rows(); ++i)
+          EXPECT_NEAR(sample.diagonal()[static_cast<std::size_t>(i)] / later.mass(i, i), 1, 1e-10) << what << ' ' << i;
+        const Eigen::Index n = later.mass.rows(), unknowns = static_cast<Eigen::Index>(later.unknowns.size());
+        const Eigen::VectorXd force = Eigen::VectorXd::Random(n), bias = Eigen::VectorXd::Random(unknowns);
+        Eigen::VectorXd sampled(n), exact(n), forces(unknowns);
+        ASSERT_TRUE(solver.solve(force.data(), bias.data(), sampled.data(), forces.data(), 1e-11)) << what;
+        SemiseparableSystem whole;
+        ASSERT_TRUE(later.factorise(whole)) << what;
+        ASSERT_TRUE(whole.solve(force.data(), bias.data(), exact.data(), forces.data())) << what;
+        EXPECT_LE((sampled - exact).norm(), 1e-7 * exact.norm()) << what;
+      }
+}
+
+TEST(SemiseparableSystem, RefusesSamplesOfOtherMatrices) {
+  constexpr int rods = 20;
+  System system = onGround(randomChain(true, false, rods, 8), {0, rods});
+  SemiseparableSystem solver;
+  ASSERT_TRUE(system.factorise(solver));
+  MassSample same = sampleOf(solver, system.mass);
+  EXPECT_TRUE(solver.refactorise(same, system.listed, 1e-12));
+  RowMajor other = system.mass;
+  other(3, 9) *= 1 + 1e-6;
+  other(9, 3) = other(3, 9);
+  MassSample changed = sampleOf(solver, other);
+  EXPECT_FALSE(solver.refactorise(changed, system.listed, 1e-9));
+  const std::vector<int> few(solver.columns().begin() + 1, solver.columns().end());
+  MassSample lacking;
+  lacking.choose(few, solver.scale());
+  lacking.read();
+  EXPECT_FALSE(solver.refactorise(lacking, system.listed, 1e-9));
+  other = -system.mass;
+  MassSample negative = sampleOf(solver, other);
+  EXPECT_FALSE(solver.refactorise(negative, system.listed, 1e-9));
+}
+
 TEST(SemiseparableSystem, NoticesThatVectorsAreMissing) {
   const Chain chain = randomChain(true, false, 20, 6);
   System system = onGround(chain, {3, 20});
