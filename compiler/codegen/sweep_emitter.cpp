@@ -221,8 +221,6 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
   llvm::Constant *groups = constantTable<std::int32_t>(module, name + ".resultGroups", tables.resultGroups);
   const bool isGrouped = std::ranges::any_of(tables.resultGroups, [](std::int32_t group) { return group >= 0; });
   const std::uint64_t rowBytes = sweepLanes * sizeof(double);
-  builder.CreateMemSet(context.frame, builder.getInt8(0), static_cast<std::uint64_t>(sweep.seedCount) * rowBytes,
-                       llvm::Align(sizeof(double)));
   llvm::Value *results =
       builder.CreateConstInBoundsGEP1_32(builder.getDoubleTy(), context.frame, static_cast<unsigned>(firstResultRow(sweep)) * sweepLanes);
   llvm::Type *integer = builder.getInt32Ty(), *pointer = builder.getPtrTy();
@@ -250,6 +248,11 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
     builder.CreateBr(next);
     builder.SetInsertPoint(next);
   };
+  choose([] {},
+         [&] {
+           builder.CreateMemSet(context.frame, builder.getInt8(0), static_cast<std::uint64_t>(sweep.seedCount) * rowBytes,
+                                llvm::Align(sizeof(double)));
+         });
   countedLoop(builder, builder.getInt32(0), count, [&](llvm::Value *pass) {
     llvm::Value *next = builder.CreateNSWAdd(pass, builder.getInt32(1));
     llvm::Value *firstRun = element(builder, integer, runBegin, pass), *lastRun = element(builder, integer, runBegin, next);

@@ -310,9 +310,6 @@ bool SemiseparableSystem::findVectorsAt(int end) {
 // The row of M before its diagonal. M is read by columns.
 bool SemiseparableSystem::expressMass(int end) {
   double *coefficients = outer_.data() + static_cast<std::ptrdiff_t>(end) * mostVectors, size = 0;
-  for (int k = 0; k < count_; ++k)
-    if (pivot_[k] >= 0)
-      noteColumn(pivot_[k]);
   if (!isKnown_ || adds_[end] != 0) {
     if (!express(massColumn(end), end, coefficients, size, adds_[end]))
       return false;
@@ -340,8 +337,6 @@ template <int R> void SemiseparableSystem::readCoefficients(int last, int end) {
     for (int place = firstOfEnd_[last]; place < firstOfEnd_[end]; ++place)
       coefficientsOf(rowOuter_, byEnd_[place])[k] = expressed_[byEnd_[place]][column] * scale;
     const double *masses = massColumn(column), *vector = reduced(k);
-    if (pivot_[k] >= 0)
-      noteColumn(column);
     for (int i = last + 1; i <= lastRow; ++i)
       outer[i * mostVectors + k] = masses[i] * scale * scale_[i];
     for (int j = last; j < end; ++j)
@@ -397,6 +392,7 @@ void SemiseparableSystem::turn(int k, int column, int end) {
       own[j] *= inverse;
     own[column] = 1;
     pivot_[k] = column;
+    noteColumn(column);
     for (int other = 0; other < count_; ++other) {
       if (other == k || pivot_[other] < 0)
         continue;
