@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <set>
 #include <tuple>
@@ -68,9 +69,8 @@ std::string verifyProducts(const Function &function, const Graph &graph) {
   if (function.groups > 0)
     return fmt::format("{}: the mask selects groups and products", function.name);
   // What depends on no seed is not evaluated in the loop.
-  std::vector<NodeId> nodes;
-  for (const Sweep::Result &result : sweep.results)
-    nodes.push_back(result.node);
+  std::vector<NodeId> nodes(sweep.results.size());
+  std::ranges::transform(sweep.results, nodes.begin(), &Sweep::Result::node);
   const std::vector<std::vector<int>> structure = seedStructure(graph, nodes, sweep.seedCount);
   for (std::size_t k = 0; k < structure.size(); ++k)
     if (structure[k].empty())
