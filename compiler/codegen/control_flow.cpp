@@ -29,14 +29,32 @@ void steppingLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *e
   builder.SetInsertPoint(after);
 }
 
-void whereTrue(llvm::IRBuilder<> &builder, llvm::Value *condition, const std::function<void()> &body) {
-  llvm::Function *function = builder.GetInsertBlock()->getParent();
-  llvm::BasicBlock *taken = llvm::BasicBlock::Create(builder.getContext(), "taken", function);
-  llvm::BasicBlock *next = llvm::BasicBlock::Create(builder.getContext(), "next", function);
-  builder.CreateCondBr(condition, taken, next);
-  builder.SetInsertPoint(taken);
+namespace {
+
+llvm::BasicBlock *newBlock(llvm::IRBuilder<> &builder, const char *name) {
+  return llvm::BasicBlock::Create(builder.getContext(), name, builder.GetInsertBlock()->getParent());
+}
+
+void fill(llvm::IRBuilder<> &builder, llvm::BasicBlock *block, const std::function<void()> &body, llvm::BasicBlock *next) {
+  builder.SetInsertPoint(block);
   body();
   builder.CreateBr(next);
+}
+
+}  // namespace
+
+void whereTrue(llvm::IRBuilder<> &builder, llvm::Value *condition, const std::function<void()> &body) {
+  llvm::BasicBlock *taken = newBlock(builder, "taken"), *next = newBlock(builder, "next");
+  builder.CreateCondBr(condition, taken, next);
+  fill(builder, taken, body, next);
+  builder.SetInsertPoint(next);
+}
+
+void chooseByTruth(llvm::IRBuilder<> &builder, llvm::Value *condition, const std::function<void()> &yes, const std::function<void()> &no) {
+  llvm::BasicBlock *taken = newBlock(builder, "taken"), *other = newBlock(builder, "other"), *next = newBlock(builder, "next");
+  builder.CreateCondBr(condition, taken, other);
+  fill(builder, taken, yes, next);
+  fill(builder, other, no, next);
   builder.SetInsertPoint(next);
 }
 

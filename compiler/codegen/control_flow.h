@@ -20,6 +20,9 @@ void steppingLoop(llvm::IRBuilder<> &builder, llvm::Value *begin, llvm::Value *e
 // if (condition) body()
 void whereTrue(llvm::IRBuilder<> &builder, llvm::Value *condition, const std::function<void()> &body);
 
+// if (condition) yes() else no()
+void chooseByTruth(llvm::IRBuilder<> &builder, llvm::Value *condition, const std::function<void()> &yes, const std::function<void()> &no);
+
 // A constant array of the module.
 template <class Number> llvm::Constant *constantTable(llvm::Module &module, const std::string &name, llvm::ArrayRef<Number> numbers) {
   llvm::Constant *values = llvm::ConstantDataArray::get(module.getContext(), numbers);

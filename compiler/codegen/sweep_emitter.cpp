@@ -235,18 +235,7 @@ void emitSweep(const ir::Sweep &sweep, const std::string &name, const SweepConte
   const auto choose = [&](const std::function<void()> &ofCaller, const std::function<void()> &ofPass) {
     if (sweep.products < 0)
       return ofPass();
-    llvm::Function *function = builder.GetInsertBlock()->getParent();
-    llvm::BasicBlock *caller = llvm::BasicBlock::Create(module.getContext(), "caller", function);
-    llvm::BasicBlock *own = llvm::BasicBlock::Create(module.getContext(), "own", function);
-    llvm::BasicBlock *next = llvm::BasicBlock::Create(module.getContext(), "next", function);
-    builder.CreateCondBr(isGiven, caller, own);
-    builder.SetInsertPoint(caller);
-    ofCaller();
-    builder.CreateBr(next);
-    builder.SetInsertPoint(own);
-    ofPass();
-    builder.CreateBr(next);
-    builder.SetInsertPoint(next);
+    chooseByTruth(builder, isGiven, ofCaller, ofPass);
   };
   choose([] {},
          [&] {

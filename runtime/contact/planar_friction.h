@@ -119,9 +119,14 @@ private:
   enum class Agreement : std::uint8_t { Agree, Contradict, NotFinite };
   Agreement solveRedundant(Candidate &candidate);
   bool solveLikeBefore(Candidate &candidate, Equations &kind);
-  // The rows that move to the state that they ask for: all of them, or the one that is farthest off.
-  enum class Change : std::uint8_t { All, Farthest };
-  bool updateMode(Candidate &candidate, Change change) const;
+  // A row to another normal state, or slip, than the one in which it is off by so much.
+  struct Move {
+    int row = 0;
+    std::int8_t to = 0;
+    double by = 0;
+  };
+  void listMoves(const Candidate &candidate);
+  void move(const Move &move, PlanarFrictionMode &mode) const;
   bool accept();
   bool activeSet(const PlanarFrictionMode *start, Equations known);
   bool pivot();
@@ -156,6 +161,7 @@ private:
   std::vector<double> target_, residual_;
   Candidate trial_, best_;
   PlanarFrictionMode returning_;  // of the active set
+  std::vector<Move> moves_;
   int pivots_ = 0;
   Path path_ = Path::Previous;
 };

@@ -82,54 +82,43 @@ bool PlanarFrictionSolver::solveLikeBefore(Candidate &candidate, Equations &kind
   return kind == Equations::Regular || agreement != Agreement::NotFinite;
 }
 
-// False where nothing changes.
-bool PlanarFrictionSolver::updateMode(Candidate &candidate, Change change) const {
+// The rows whose conditions fail, and the states that they ask for.
+void PlanarFrictionSolver::listMoves(const Candidate &candidate) {
   const int n = scaled_.normalCount;
   const double zero = roundingError * magnitude_;
-  bool changed = false;
-  double farthest = zero;
-  int farthestRow = -1;
-  NormalState normal = NormalState::Off;
-  std::int8_t tangent = 0;
-  const auto move = [&](auto &state, auto next, auto &kept, int row, double by) {
-    changed = true;
-    if (change == Change::All) {
-      state = next;
-    } else if (by > farthest) {
-      farthest = by;
-      farthestRow = row;
-      kept = next;
-    }
-  };
+  moves_.clear();
+  const auto moveNormal = [this](int i, NormalState to, double by) { moves_.push_back({i, static_cast<std::int8_t>(to), by}); };
   for (int i = 0; i < n; ++i) {
     if (scaled_.normalKind[i] != NormalKind::Unilateral)
       continue;
-    NormalState &state = candidate.mode.normal[i];
+    const NormalState state = candidate.mode.normal[i];
     const double force = candidate.force[i], acceleration = candidate.acceleration[i];
     if (state == NormalState::Active && force < -zero)
-      move(state, NormalState::Off, normal, i, -force);
+      moveNormal(i, NormalState::Off, -force);
     else if (state == NormalState::Active && force > scaled_.upper[i] + zero)
-      move(state, NormalState::Upper, normal, i, force - scaled_.upper[i]);
+      moveNormal(i, NormalState::Upper, force - scaled_.upper[i]);
     else if ((state == NormalState::Off && acceleration < -zero) || (state == NormalState::Upper && acceleration > zero))
-      move(state, NormalState::Active, normal, i, std::abs(acceleration));
+      moveNormal(i, NormalState::Active, std::abs(acceleration));
   }
   for (int j = 0; j < scaled_.tangentCount; ++j) {
     const TangentKind kind = scaled_.tangentKind[j];
     if (kind != TangentKind::TwoSided && kind != TangentKind::OneSided)
       continue;
-    std::int8_t &slip = candidate.mode.slip[j];
-    const double force = candidate.force[n + j], bound = limit(j, candidate.force);
-    if (slip != 0 && slip * candidate.acceleration[n + j] < -zero)
-      move(slip, std::int8_t{0}, tangent, n + j, std::abs(candidate.acceleration[n + j]));
+    const std::int8_t slip = candidate.mode.slip[j];
+    const double force = candidate.force[n + j], acceleration = candidate.acceleration[n + j], bound = limit(j, candidate.force);
+    if (slip != 0 && slip * acceleration < -zero)
+      moves_.push_back({n + j, 0, std::abs(acceleration)});
     else if (slip == 0 && carriesForce(j, candidate.mode) && std::abs(force) > bound + zero &&
              (kind == TangentKind::TwoSided || force * scaled_.sign[j] > 0))
-      move(slip, static_cast<std::int8_t>(force > 0 ? -1 : 1), tangent, n + j, std::abs(force) - bound);
+      moves_.push_back({n + j, static_cast<std::int8_t>(force > 0 ? -1 : 1), std::abs(force) - bound});
   }
-  if (farthestRow >= n)
-    candidate.mode.slip[farthestRow - n] = tangent;
-  else if (farthestRow >= 0)
-    candidate.mode.normal[farthestRow] = normal;
-  return changed;
+}
+
+void PlanarFrictionSolver::move(const Move &move, PlanarFrictionMode &mode) const {
+  if (move.row < scaled_.normalCount)
+    mode.normal[move.row] = static_cast<NormalState>(move.to);
+  else
+    mode.slip[move.row - scaled_.normalCount] = move.to;
 }
 
 bool PlanarFrictionSolver::accept() {
@@ -151,16 +140,16 @@ bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start, Equations 
       trial_.mode.normal[i] = scaled_.bias[i] <= 0 ? NormalState::Active : NormalState::Off;
     trial_.mode.slip.assign(scaled_.tangentCount, 0);
   }
-  Change change = Change::All;
+  bool movesAlone = false;
   Equations kind = known;
   for (int iteration = 0; iteration < iterationLimit; ++iteration) {
     completeMode(trial_.mode);
     // Each mode follows from the one before: one that returns does so again and again (Brent's test: it is compared with those after 1, 2,
-    // 4, … iterations). From there on rows move one at a time, as they do in pivoting, but from a mode that few rows contradict.
+    // 4, … iterations). From there on the row that is farthest off moves alone, as in pivoting, but from a mode that few rows contradict.
     if (iteration > 0 && trial_.mode == returning_) {
-      if (change == Change::Farthest)
+      if (movesAlone)
         return false;
-      change = Change::Farthest;
+      movesAlone = true;
     }
     if ((iteration & (iteration - 1)) == 0)
       returning_ = trial_.mode;
@@ -169,8 +158,14 @@ bool PlanarFrictionSolver::activeSet(const PlanarFrictionMode *start, Equations 
       return false;
     if (trial_.violation <= 10 * roundingError)
       return accept();
-    if (!updateMode(trial_, change))
+    listMoves(trial_);
+    if (moves_.empty())
       return trial_.violation <= tolerance_ && accept();
+    if (movesAlone)
+      move(*std::ranges::max_element(moves_, {}, &Move::by), trial_.mode);
+    else
+      for (const Move &one : moves_)
+        move(one, trial_.mode);
   }
   return false;
 }
