@@ -24,10 +24,13 @@ if(TF_FUZZ)
   target_compile_options(tf_options INTERFACE -fsanitize=fuzzer-no-link)
 endif()
 
-# tf_compile_together(TARGET): the target's sources are compiled six at a time, which reads their common headers and instantiates their common
-# templates once. Names in the anonymous namespaces of a folder must then differ. Never for the runtime: gcc's profile is of single sources.
+# tf_compile_together(TARGET [EXCEPT sources…]): the target's sources are compiled six at a time, which reads their common headers and
+# instantiates their common templates once. Names in the anonymous namespaces of a folder must then differ, but those of the exceptions, which
+# are compiled alone.
 function(tf_compile_together target)
+  cmake_parse_arguments(ARG "" "" "EXCEPT" ${ARGN})
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${TF_UNITY} UNITY_BUILD_BATCH_SIZE 6)
+  set_source_files_properties(${ARG_EXCEPT} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
 endfunction()
 
 set(TF_TEST_OPTIONS $<$<CONFIG:Release>:-O1>)

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cstdint>
+#include <vector>
 
 namespace tf::codegen {
 
@@ -22,6 +24,39 @@ std::vector<int> variationOfNodes(const ir::Graph &graph) {
                                                         : 0;
     for (int j = 0; j < node.arity; ++j)
       own |= all[static_cast<std::size_t>(node.operands[j])];
+  }
+  return all;
+}
+
+// As a function of the coordinates, with coefficients that are parameters'.
+enum class Form : std::uint8_t { Constant, Affine, Other };
+
+Form formOf(const ir::Node &node, Form a, Form b) {
+  switch (node.op) {
+  case ir::Op::Neg:
+    return a;
+  case ir::Op::Add:
+  case ir::Op::Sub:
+    return std::max(a, b);
+  case ir::Op::Mul:
+    return std::min(a, b) == Form::Constant ? std::max(a, b) : Form::Other;
+  case ir::Op::Div:
+    return b == Form::Constant ? a : Form::Other;
+  default:
+    return Form::Other;
+  }
+}
+
+std::vector<Form> formsOfNodes(const ir::Graph &graph) {
+  std::vector<Form> all(static_cast<std::size_t>(graph.size()), Form::Constant);
+  for (ir::NodeId id = 0; id < graph.size(); ++id) {
+    const ir::Node &node = graph[id];
+    Form &own = all[static_cast<std::size_t>(id)];
+    if (node.op == ir::Op::Symbol && node.symbol.kind != ir::SymbolKind::Parameter)
+      own = node.symbol.kind == ir::SymbolKind::Coordinate ? Form::Affine : Form::Other;
+    const auto of = [&](int j) { return j < node.arity ? all[static_cast<std::size_t>(node.operands[j])] : Form::Constant; };
+    if (std::max({of(0), of(1), of(2)}) != Form::Constant)
+      own = formOf(node, of(0), of(1));
   }
   return all;
 }
@@ -69,6 +104,16 @@ bool flightIsUniform(const HybridSystem &system) {
 
 bool frictionVaries(const HybridSystem &system, const Contact &contact) {
   return contact.friction >= 0 && ir::dependsOn(system.graph, contact.friction, variesInARun);
+}
+
+std::vector<bool> affineGaps(const HybridSystem &system) {
+  std::vector<bool> result(system.contacts.size(), false);
+  if (!system.motion.rotations().empty())
+    return result;
+  const std::vector<Form> forms = formsOfNodes(system.graph);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    result[i] = system.contacts[i].gap >= 0 && forms[static_cast<std::size_t>(system.contacts[i].gap)] != Form::Other;
+  return result;
 }
 
 bool dependsOnVelocity(const HybridSystem &system, const FrictionElement &friction) {

@@ -15,6 +15,8 @@ namespace tf::codegen {
 [[nodiscard]] bool flightIsUniform(const HybridSystem &system);
 // tf_contact::friction_varies.
 [[nodiscard]] bool frictionVaries(const HybridSystem &system, const Contact &contact);
+// tf_contact::gap_is_affine of each contact.
+[[nodiscard]] std::vector<bool> affineGaps(const HybridSystem &system);
 // tf_friction::bound_by_velocity.
 [[nodiscard]] bool dependsOnVelocity(const HybridSystem &system, const FrictionElement &friction);
 

@@ -86,11 +86,13 @@ llvm::Constant *aliases(const HybridSystem &system, TableBuilder &build) {
 }
 
 llvm::Constant *contacts(const HybridSystem &system, TableBuilder &build) {
+  const std::vector<bool> areAffine = affineGaps(system);
   Constants rows;
   for (const Contact &contact : system.contacts)
     rows.push_back(build.structure({build.text(contact.name), build.integer(contact.tangentFirst), build.integer(contact.tangentCount),
                                     build.integer(contact.frictionForm), build.integer(contact.law), build.number(contact.nominal),
-                                    build.location(contact.span), build.integer(frictionVaries(system, contact) ? 1 : 0)}));
+                                    build.location(contact.span), build.integer(frictionVaries(system, contact) ? 1 : 0),
+                                    build.integer(areAffine[rows.size()] ? 1 : 0)}));
   return build.table(rows, "contacts");
 }
 

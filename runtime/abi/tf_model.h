@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 14u
+#define TF_ABI_VERSION 15u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -149,6 +149,7 @@ typedef struct tf_contact {
   double nominal;                       /* length scale of the gap */
   tf_location location;
   int32_t friction_varies; /* 1: its coefficient depends on more than parameters, so that it may be zero at one instant only */
+  int32_t gap_is_affine;   /* 1: nr = 0, and its gap is an affine function of the coordinates, with coefficients that are parameters' */
 } tf_contact;
 
 typedef struct tf_friction { /* a friction element: tangential rows with a bound instead of a normal force */

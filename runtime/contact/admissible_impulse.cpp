@@ -8,7 +8,7 @@ namespace tf::runtime {
 namespace {
 
 // Of impulses, relative to the largest one.
-constexpr double rounding = 1e-12;
+constexpr double impulseRounding = 1e-12;
 
 double largest(const std::vector<double> &values) {
   double size = 0;
@@ -54,7 +54,7 @@ void AdmissibleImpulse::chooseRows(const FrozenProblem &problem, const std::vect
 }
 
 void AdmissibleImpulse::choose(const FrozenProblem &problem, const std::vector<double> &velocity, std::vector<double> &impulse) {
-  allowed_ = rounding * largest(impulse);
+  allowed_ = impulseRounding * largest(impulse);
   if (!leavesCones(problem, impulse))
     return;
   chooseRows(problem, velocity, impulse);

@@ -21,7 +21,7 @@ constexpr double firstWeight = 1, lastWeight = 1e-14, reduction = 0.05;
 constexpr double slackAccuracy = 1e-6;
 // Of a least-norm point that is followed, relative to the force scale: slacks below are those of active limits, steps below the last ones,
 // and slacks and multipliers may be negative by that much.
-constexpr double active = 1e-6, lastStep = 1e-9, rounding = 1e-13;
+constexpr double active = 1e-6, lastStep = 1e-9, multiplierRounding = 1e-13;
 constexpr int stepLimit = 8;
 
 }  // namespace
@@ -320,8 +320,8 @@ const Eigen::VectorXd *ConicForces::followLeastNorm() {
   for (int k = 0; k < stepLimit && change > lastStep; ++k)
     if (!newtonStep(change))
       return nullptr;
-  if (change > lastStep || (count > 0 && multiplier_.minCoeff() < -rounding * multiplier_.maxCoeff()) ||
-      smallestSlack(least_) < -rounding * scale_)
+  if (change > lastStep || (count > 0 && multiplier_.minCoeff() < -multiplierRounding * multiplier_.maxCoeff()) ||
+      smallestSlack(least_) < -multiplierRounding * scale_)
     return nullptr;
   isKnown_ = true;
   return &least_;

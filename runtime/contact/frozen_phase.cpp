@@ -1,6 +1,7 @@
 #include "runtime/contact/frozen_phase.h"
 
 #include "runtime/contact/breakpoint_tail.h"
+#include "runtime/contact/numbers.h"
 #include "runtime/contact/planar_friction.h"
 
 #include <algorithm>
@@ -11,14 +12,12 @@ namespace tf::runtime {
 
 namespace {
 
-// Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
-constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
 constexpr double feasibility = 1e-9;
 // D_s below this part of what it is the difference of is zero for a frictional impulse.
-constexpr double jammed = 1e-6;
+constexpr double jammedAcceleration = 1e-6;
 constexpr int keptBreakpoints = 1000, tailFrom = 24;
 // A contraction factor that differs from 1 by less repeats without contraction.
-constexpr double contraction = 1e-9;
+constexpr double clearContraction = 1e-9;
 // Contacts with restitution among others that press for long may chatter at any scale without a cycle that repeats. Each time that so many
 // breakpoints have passed, what counts as zero grows, up to a limit far below the accuracy of any run.
 constexpr int coarsenEvery = 2048;
@@ -52,7 +51,7 @@ struct FrozenPhase::Workspace {
   std::vector<double> velocity, magnitude, impulse;   // c2 (less Newton's target) and c3, what they are sums of, and total impulses
   std::vector<double> force, acceleration, turnover;  // of the piece: λ, w = D λ, Σ |D λ|
   std::vector<double> increment;                      // of a piece: velocities, impulses, τ, stored impulses, stored works
-  double zero = rounding;                             // velocities below this part of the fastest are zero
+  double zero = roundingOfSums;                       // velocities below this part of the fastest are zero
   double fastest = 0;                                 // the largest velocity and change of velocity, in the metric of D
   std::vector<double> metric;                         // √D_rr
   std::vector<std::uint8_t> inCycle;                  // rows, then what normal rows store
@@ -111,7 +110,7 @@ void FrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   metric.resize(count);
   for (int r = 0; r < count; ++r)
     metric[r] = at.delassus(r, r) > 0 ? std::sqrt(at.delassus(r, r)) : 1.0;
-  zero = rounding;
+  zero = roundingOfSums;
   fastest = 0;
   magnitude.resize(count);
   for (int r = 0; r < count; ++r)
@@ -181,7 +180,7 @@ void FrozenPhase::Workspace::settleAccelerations() {
   const PlanarFrictionProblem &p = solver.problem();
   const PlanarFrictionSolution &found = solver.solution();
   for (int r = 0; r < problem->count(); ++r)
-    if (std::abs(acceleration[r]) <= rounding * turnover[r])
+    if (std::abs(acceleration[r]) <= roundingOfSums * turnover[r])
       acceleration[r] = 0;
   for (int i = 0; i < p.normalCount; ++i) {
     if (p.normalKind[i] != NormalKind::Unilateral)
@@ -292,7 +291,7 @@ void FrozenPhase::Workspace::advance(int row, double duration) {
     magnitude[r] += turnover[r] * duration;
     velocity[r] += acceleration[r] * duration;
     // Zeros at the same instant differ by rounding.
-    if (r == row || (before * acceleration[r] < 0 && std::abs(velocity[r]) <= rounding * magnitude[r]))
+    if (r == row || (before * acceleration[r] < 0 && std::abs(velocity[r]) <= roundingOfSums * magnitude[r]))
       velocity[r] = 0;
     impulse[r] += force[r] * duration;
     increment[r] = acceleration[r] * duration;
@@ -430,7 +429,7 @@ void FrozenPhase::Workspace::fail(FrozenStatus status) {
 bool FrozenPhase::Workspace::jams(int forced) {
   if (velocity[forced] < 0 || acceleration[forced] < 0)
     return true;
-  if (acceleration[forced] > jammed * turnover[forced])
+  if (acceleration[forced] > jammedAcceleration * turnover[forced])
     return false;
   acceleration[forced] = 0;
   double duration = 0;
@@ -469,9 +468,9 @@ void FrozenPhase::Workspace::follow(int forced) {
     if (pieces < tailFrom || !settings.sumTails || !tail.repeats())
       continue;
     bool summed = false;
-    if (tail.factor() > 0 && tail.factor() < 1 - contraction) {
+    if (tail.factor() > 0 && tail.factor() < 1 - clearContraction) {
       summed = sumTail();
-    } else if (std::abs(tail.factor() - 1) <= contraction) {
+    } else if (std::abs(tail.factor() - 1) <= clearContraction) {
       if (!drifts())
         return fail(FrozenStatus::Cycle);
       summed = skipCycles();

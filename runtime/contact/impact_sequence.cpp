@@ -4,24 +4,23 @@
 #include "runtime/contact/contact_solver.h"
 #include "runtime/contact/coupled_contacts.h"
 #include "runtime/contact/frozen_phase.h"
+#include "runtime/contact/numbers.h"
 #include "runtime/contact/single_contact_phase.h"
 #include "runtime/contact/time_speed.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <limits>
 
 namespace tf::runtime {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr int eventLimit = 1000;
 // A sequence that repeats passes through the same few sets of resting contacts; to find out that many contacts do not is costly.
 constexpr std::size_t flightLimit = 64;
 // A factor closer to 1 does not contract.
-constexpr double contraction = 1e-6;
+constexpr double sequenceContraction = 1e-6;
 // Impacts slower than this part of the fastest one end the sequence where it does not repeat: the time left is as small.
 constexpr double negligible = 1e-13;
 // Contacts take part in the end of such a sequence if their last impact is not longer ago than this part of its time.
@@ -387,7 +386,9 @@ void ImpactSequence::Workspace::dropReopened() {
 
 // Sums the impacts where they repeat, and then the accumulations where these do.
 void ImpactSequence::Workspace::sumRepeating() {
-  const auto contracts = [](BreakpointTail &tail) { return tail.repeats() && tail.factor() > 0 && tail.factor() < 1 - contraction; };
+  const auto contracts = [](BreakpointTail &tail) {
+    return tail.repeats() && tail.factor() > 0 && tail.factor() < 1 - sequenceContraction;
+  };
   if (!contracts(inner))
     return;
   std::vector<int> contacts = ending(innerHits, inner.period());

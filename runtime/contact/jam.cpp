@@ -18,7 +18,7 @@ namespace tf::runtime {
 namespace {
 
 // Where a slow slip turns, D_s falls to zero as the square root of the time that is left: this far within the rounding of time.
-constexpr double jammed = 1e-3;
+constexpr double jammedRatio = 1e-3;
 // Rows whose own acceleration, the others at rest, has lost more than this are taken for redundant.
 constexpr double redundant = 1e-9;
 
@@ -84,7 +84,7 @@ std::vector<Jam> jammedNormals(const ContactProblem &problem, const ContactMode 
     for (std::size_t k = 0; k < rows.size() && rows[k] < problem.normalCount; ++k) {
       const auto i = static_cast<Eigen::Index>(k);
       const double ratio = std::isfinite(left[i]) ? left[i] / own[i] : 0;
-      if (ratio <= jammed)
+      if (ratio <= jammedRatio)
         jams.push_back(isAlone ? Jam{rows[k], ratio, nan, nan} : Jam{rows[k], ratio, left[i], own[i]});
     }
   }

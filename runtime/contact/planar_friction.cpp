@@ -1,16 +1,15 @@
 #include "runtime/contact/planar_friction.h"
 
 #include "runtime/contact/contact_problem.h"
+#include "runtime/contact/numbers.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tf::runtime {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Matrices of modes with a smaller pivot are singular: the diagonal of D is scaled to 1.
 constexpr double singularMode = 1e-11;
 // Up to so many modes all are tried; above, an active set and pivoting come first, and all modes only where these find no solution.

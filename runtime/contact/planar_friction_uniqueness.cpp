@@ -9,7 +9,7 @@ namespace tf::runtime {
 
 namespace {
 
-constexpr double clear = 1e-9;
+constexpr double clearPivot = 1e-9;
 
 // Gaussian elimination without pivoting of a symmetric matrix, of its lower triangle: eliminates row k from those behind it.
 void eliminate(DenseMatrix &matrix, int k) {
@@ -30,7 +30,7 @@ bool PlanarFrictionSolver::isUnique(Wanted wanted) {
   // One contact whose friction is below Painlevé's limit.
   if (scaled_.normalCount == 1 && scaled_.tangentCount == 1 && scaled_.owner[0] == 0 && scaled_.normalKind[0] == NormalKind::Unilateral &&
       scaled_.tangentKind[0] == TangentKind::TwoSided)
-    return D(0, 0) - scaled_.friction[0] * std::abs(D(0, 1)) > clear && std::abs(D(0, 1)) < 1 - clear;
+    return D(0, 0) - scaled_.friction[0] * std::abs(D(0, 1)) > clearPivot && std::abs(D(0, 1)) < 1 - clearPivot;
   const bool onlyNormals =
       std::none_of(scaled_.normalKind.begin(), scaled_.normalKind.end(), [](NormalKind kind) { return kind == NormalKind::Bilateral; }) &&
       std::all_of(scaled_.tangentKind.begin(), scaled_.tangentKind.end(),
@@ -55,7 +55,7 @@ bool PlanarFrictionSolver::hasUniqueNormals() {
     for (int r = c; r < k; ++r)
       A(r, c) = 0.5 * (A(r, c) + A(c, r));
   for (int c = 0; c < k; ++c) {
-    if (!(A(c, c) > clear))
+    if (!(A(c, c) > clearPivot))
       return false;
     eliminate(A, c);
   }
@@ -86,7 +86,7 @@ bool PlanarFrictionSolver::hasSmallFriction(bool withForces) {
     for (int r = c; r < size; ++r)
       rest_(r, c) = scaled_.delassus(order_[r], order_[c]);
   for (int k = 0; k < size; ++k) {
-    if (rest_(k, k) > clear)
+    if (rest_(k, k) > clearPivot)
       eliminate(rest_, k);
     else if (k >= tangents || withForces || rest_(k, k) > dependent)
       return false;

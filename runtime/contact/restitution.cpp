@@ -1,15 +1,13 @@
 #include "runtime/contact/restitution.h"
 
+#include "runtime/contact/numbers.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace tf::runtime {
 
 namespace {
-
-// Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
-constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 bool compresses(double velocity, double acceleration) { return velocity < 0 || (velocity == 0 && acceleration < 0); }
 
@@ -82,8 +80,8 @@ void Restitution::advance(int i, double velocity, double acceleration, double du
   if (compressing)
     return;
   // Contacts that end at the same instant differ by rounding.
-  const bool usedUp = law_[i] == ImpactLaw::Stronge ? work_[i] <= rounding * workMagnitude_[i]
-                                                    : impulse_[i] <= rounding * impulseMagnitude_[i] || !stored(i);
+  const bool usedUp = law_[i] == ImpactLaw::Stronge ? work_[i] <= roundingOfSums * workMagnitude_[i]
+                                                    : impulse_[i] <= roundingOfSums * impulseMagnitude_[i] || !stored(i);
   if (exhausted || usedUp)
     set(i, 0, 0);
 }

@@ -1,15 +1,13 @@
 #include "runtime/contact/single_contact_phase.h"
 
+#include "runtime/contact/numbers.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tf::runtime {
 
 namespace {
-
-constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Velocities, impulses and stored quantities of the contact, and the law of its friction.
 struct Path {
@@ -39,7 +37,7 @@ struct Path {
     double tangentAcceleration = friction > 0 ? rate * (coupling + tangentMobility * share) : 0;
     if (slip == 0 && std::abs(share) < friction)
       tangentAcceleration = 0;
-    if (!(normalAcceleration > rounding * rate * normalMobility)) {
+    if (!(normalAcceleration > roundingOfSums * rate * normalMobility)) {
       duration = -1;
       return false;
     }
@@ -47,7 +45,7 @@ struct Path {
     const double stop = slip * tangentAcceleration < 0 ? -slip / tangentAcceleration : infinity;
     const double step = std::min(time, stop);
     normal += normalAcceleration * step;
-    slip = stop <= time * (1 + rounding) ? 0 : slip + tangentAcceleration * step;
+    slip = stop <= time * (1 + roundingOfSums) ? 0 : slip + tangentAcceleration * step;
     normalImpulse += rate * step;
     tangentImpulse += rate * share * step;
     duration += step;
@@ -75,9 +73,9 @@ const FrozenResult *SingleContactPhase::run(const FrozenProblem &problem) {
   // Velocities that are zero but for rounding are compared in the metric of D.
   const double tangentScale = rubs ? std::sqrt(path.tangentMobility) : 1;
   const double fastest = std::max(std::abs(path.normal) / normalScale, std::abs(path.slip) / tangentScale);
-  if (!(path.normal < -rounding * fastest * normalScale))
+  if (!(path.normal < -roundingOfSums * fastest * normalScale))
     return nullptr;
-  if (std::abs(path.slip) <= rounding * fastest * tangentScale)
+  if (std::abs(path.slip) <= roundingOfSums * fastest * tangentScale)
     path.slip = 0;
 
   // Compression; Newton's law goes on to its target with nothing stored.

@@ -18,7 +18,7 @@ void SpatialFrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   scale = 0;
   for (const double v : velocity)
     scale = std::max(scale, std::abs(v));
-  roundingSpeed = std::max(rounding * scale, at.resolution);
+  roundingSpeed = std::max(roundingOfSums * scale, at.resolution);
   stillSpeed = std::max(still * scale, 4 * roundingSpeed);
   for (double &v : velocity)
     if (std::abs(v) <= roundingSpeed)
@@ -73,7 +73,7 @@ void SpatialFrozenPhase::Workspace::updateAcceleration() {
     }
   }
   for (int r = 0; r < n + m; ++r)
-    if (std::abs(acceleration[r]) <= rounding * turnover[r])
+    if (std::abs(acceleration[r]) <= roundingOfSums * turnover[r])
       acceleration[r] = 0;
 }
 
@@ -189,7 +189,7 @@ double SpatialFrozenPhase::Workspace::departure(double duration) const {
     const double x = speed > 0 ? velocity[n + j] / speed : mode.direction[j];
     const double y = speed > 0 ? velocity[n + j + 1] / speed : mode.direction[j + 1];
     const double across = x * acceleration[n + j + 1] - y * acceleration[n + j];
-    if (std::abs(across) > rounding * (turnover[n + j] + turnover[n + j + 1]))
+    if (std::abs(across) > roundingOfSums * (turnover[n + j] + turnover[n + j + 1]))
       largest = std::max(largest, std::abs(across) * duration);
   }
   return largest;
@@ -205,7 +205,7 @@ void SpatialFrozenPhase::Workspace::advance(const Watch &event, double duration)
     const double before = velocity[r];
     velocity[r] += acceleration[r] * duration;
     impulse[r] += force[r] * duration;
-    if (before * acceleration[r] < 0 && std::abs(velocity[r]) <= rounding * (std::abs(before) + turnover[r] * duration))
+    if (before * acceleration[r] < 0 && std::abs(velocity[r]) <= roundingOfSums * (std::abs(before) + turnover[r] * duration))
       velocity[r] = 0;
   }
   tau += duration;

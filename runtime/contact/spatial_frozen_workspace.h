@@ -5,20 +5,17 @@
 #include "runtime/contact/cone_friction.h"
 #include "runtime/contact/extrapolation.h"
 #include "runtime/contact/frozen_mode.h"
+#include "runtime/contact/numbers.h"
 #include "runtime/contact/planar_friction.h"
 #include "runtime/contact/spatial_frozen_phase.h"
 
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <vector>
 
 namespace tf::runtime {
 
 struct SpatialFrozenPhase::Workspace {
-  static constexpr double infinity = std::numeric_limits<double>::infinity();
-  // Sums of terms of a magnitude are zero below this part of it: they differ from zero by rounding only.
-  static constexpr double rounding = 32 * std::numeric_limits<double>::epsilon();
   static constexpr double feasibility = 1e-9;
   // Accelerations of the iterative solution are zero below this part of the terms that they are sums of.
   static constexpr double solved = 1e-11;

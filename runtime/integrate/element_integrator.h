@@ -27,6 +27,7 @@ public:
   // The interpolant's second derivative is off by its error times a few tens: at 1e-2 of a step beyond the end the state is off by some
   // 1e-3 of the interpolant's error, which is of the order of the tolerance.
   [[nodiscard]] double reach() const override { return settings_.fixedStep > 0 ? 1e-5 : 1e-2; }
+  [[nodiscard]] bool isUniform() const override { return isUniform_; }
   [[nodiscard]] bool isExactInside() const override {
     return isUniform_ || (settings_.fixedStep <= 0 && error_ <= negligible && !dynamics_.hasTurningSlips());
   }

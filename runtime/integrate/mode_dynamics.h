@@ -183,6 +183,8 @@ public:
       completeRows();
     return projection_.project(time, state, scale, nothingStops_.data());
   }
+  // What `project` has left, or would remove, at a state (see Projection::residual).
+  [[nodiscard]] double heldResidual(double time, const double *state) { return projection_.residual(time, state); }
   // As `evaluate`, at the projection of a state near the last evaluation's point at the same time, with the rows of that point; where this
   // costs more than it saves, at the state itself.
   bool evaluateProjected(double time, double *state, double *rate, const double *scale);

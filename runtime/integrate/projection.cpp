@@ -190,4 +190,32 @@ double Projection::project(double time, double *state, const double *scale, cons
   return size;
 }
 
+double Projection::residual(double time, const double *state) {
+  const tf_model &model = at_.model();
+  const double *velocities = state + model.nq;
+  double worst = 0;
+  const auto include = [&worst](double value, double scale) {
+    const double size = std::abs(value) / scale;
+    worst = std::isnan(worst) || size <= worst ? worst : size;
+  };
+  at_.setPoint(time, state);
+  if (rows_.count() > 0)
+    at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
+  for (const int contact : rows_.contacts()) {
+    include(at_.gap[contact], at_.scales.gap(contact, state));
+    include(at_.gapRate[contact], at_.scales.gapRate(contact, velocities));
+  }
+  for (std::size_t j = 0; j < rows_.tangents().size(); ++j)
+    if (problem_.slipSign[j] == 0)
+      include(rows_.tangentValue(at_.slip.data(), 1, static_cast<int>(j)), at_.scales.slip(rows_.tangents()[j], velocities));
+  if (model.nh > 0)
+    at_.constraintResiduals();
+  for (int k = 0; k < model.nk; ++k)
+    for (int row = model.constraints[k].row_first; row < model.constraints[k].row_first + model.constraints[k].row_count; ++row) {
+      include(model.constraints[k].holonomic ? at_.residual[row] : 0, at_.scales.residual(row));
+      include(at_.residualRate[row], at_.scales.residualRate(row, velocities));
+    }
+  return worst;
+}
+
 }  // namespace tf::runtime

@@ -33,6 +33,9 @@ public:
   // The slips that rows get can be given, one for each tangential row of the model. Returns the size of the correction relative to `scale`
   // [n].
   double project(double time, double *state, const double *scale, const std::uint8_t *stopped, const double *slips = nullptr);
+  // The largest gap, gap rate, slip, constraint or rate of a constraint at a state that project() would have to remove, relative to its
+  // scale.
+  [[nodiscard]] double residual(double time, const double *state);
 
 private:
   void correct(double *target);

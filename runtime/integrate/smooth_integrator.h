@@ -59,6 +59,8 @@ public:
   [[nodiscard]] virtual double reach() const { return 0; }
   // The interpolant is as good as the step, far within the tolerance: the end may be moved to any time inside the step.
   [[nodiscard]] virtual bool isExactInside() const { return false; }
+  // Its coordinates are parabolas.
+  [[nodiscard]] virtual bool isUniform() const { return false; }
   // Parts of the last step at whose ends the state obeys the equations, with the weights of a quadrature; none: at no place better than at
   // others.
   [[nodiscard]] virtual Quadrature quadrature() const { return {}; }

@@ -117,6 +117,7 @@ private:
   [[nodiscard]] bool isFar(int guard) const;
   [[nodiscard]] bool isSteady(int guard) const;
   bool examineCubics(DetectedEvent &first);
+  bool fitCubics();
   bool cubicZero(int guard, DetectedEvent &first) const;
   bool examineEndsAlone(DetectedEvent &first);
   bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth);

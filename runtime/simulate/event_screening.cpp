@@ -25,16 +25,34 @@ bool EventDetection::isSteady(int guard) const {
 }
 
 // Where all guards are gaps that are cubic functions of time over a step that is long for want of errors, as in free flight: their zeros
-// are those of the cubics through the ends, of which a sample at a place that no period divides is the proof. False: they are not.
+// are those of the cubics through the ends. False: they are not.
 bool EventDetection::examineCubics(DetectedEvent &first) {
-  constexpr double place = 0.5 * 0.3819660112501051;
-  constexpr double accepted = 1e-9;
   if (!integrator_->isExactInside())
     return false;
-  const double h = end_.time - begin_.time;
-  for (const int k : awake_)
-    if (!isSampled(k) && (dynamics_.guards()[k].kind != GuardKind::Gap || starts_[k].armed == Arming::Not))
+  const tf_contact *contacts = dynamics_.model().model().contacts;
+  bool areParabolas = integrator_->isUniform();
+  for (const int k : awake_) {
+    if (isSampled(k))
+      continue;
+    const Guard &guard = dynamics_.guards()[k];
+    if (guard.kind != GuardKind::Gap || starts_[k].armed == Arming::Not)
       return false;
+    areParabolas = areParabolas && contacts[guard.index].gap_is_affine != 0;
+  }
+  if (!areParabolas && !fitCubics())
+    return false;
+  first = {};
+  for (const int k : awake_)
+    if (!isSampled(k) && !cubicZero(k, first))
+      return false;
+  return true;
+}
+
+// Whether gaps are the cubics through the ends of the step: a sample at a place that no period divides is the proof.
+bool EventDetection::fitCubics() {
+  constexpr double place = 0.5 * 0.3819660112501051;
+  constexpr double accepted = 1e-9;
+  const double h = end_.time - begin_.time;
   if (!sampleInside(begin_.time + place * h, false, inner_[0]))
     return false;
   for (const int k : awake_) {
@@ -45,10 +63,6 @@ bool EventDetection::examineCubics(DetectedEvent &first) {
     if (!(std::abs(CubicHermite{a, da, b, db, h}.value(place) - inner_[0].value[k]) <= accepted * size))
       return false;
   }
-  first = {};
-  for (const int k : awake_)
-    if (!isSampled(k) && !cubicZero(k, first))
-      return false;
   return true;
 }
 

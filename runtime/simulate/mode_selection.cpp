@@ -607,7 +607,6 @@ const Selection &ModeSelection::select(double time, const double *state, const M
   classifySwitches(previous, hint);
   chooseRows(time, state, previous);
   const Trial trial = tryAssignments(time, state);
-  result.mode = mode_;
   result.indeterminate = indeterminate_;
   result.contact = forced_;
   switch (trial) {

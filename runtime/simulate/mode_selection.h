@@ -132,7 +132,8 @@ private:
   ContactRates rates_;
   ContactSolution undecided_;
   Selection selection_;
-  Mode mode_, found_, heldMode_;
+  Mode &mode_ = selection_.mode;  // what is being tried
+  Mode found_, heldMode_;
   std::vector<int> touching_, approaching_, grazing_;
   std::vector<int> contacts_, tangents_;                   // of the problem
   std::vector<int> surfaces_;                              // switches on their surfaces

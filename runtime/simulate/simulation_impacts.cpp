@@ -84,6 +84,8 @@ bool Simulation::Implementation::projectOnto(const Mode &mode, double time, doub
   const double *scale = integrators_.current().settings().scale.data();
   double correction = 1;
   for (int pass = 0; pass < mostPasses && correction > rounding; ++pass) {
+    if (pass > 0 && dynamics_.heldResidual(time, state) <= rounding)
+      break;
     if (!dynamics_.hold(mode, time, state))
       return false;
     correction = dynamics_.project(time, state, scale);

@@ -64,6 +64,45 @@ TEST(UniformMotion, FlightWithVaryingForcesIsIntegrated) {
   }
 }
 
+// Zeros of gaps that are parabolas then are not looked for by samples; those of others are, though they look alike at both ends of a
+// flight.
+TEST(UniformMotion, GapsThatAreAffineAreKnown) {
+  const auto flagOf = [](const std::string &gap) {
+    const CompiledModel model(sourceFile("affine_gap.tf", R"(
+model M
+  parameter Real a = 0.1, b = 2;
+  coordinate Real x(start = 1), y(start = 1);
+  body m(mass = 1, position = {x, y});
+  contact c(gap = )" + gap + ");\nend M;\n"));
+    return model.model().contacts[0].gap_is_affine;
+  };
+  for (const char *gap : {"y", "y - a*x + b", "-(x - y)/(b + a) + a*b", "cos(a)*y + sin(a)*x + 1", "2*(y - 3*(x - y))"})
+    EXPECT_EQ(flagOf(gap), 1) << gap;
+  for (const char *gap : {"y - a*x^2", "y + 0.1*time", "y + smooth(2, abs(x))", "y + smooth(2, noEvent(floor(x)))", "y*x", "b/(y + 1)",
+                          "y + smooth(2, if x > 0 then x else 0)", "sin(y)"})
+    EXPECT_EQ(flagOf(gap), 0) << gap;
+}
+
+// The flight is symmetric, and so are the gap and its rate at both ends: the post in the middle is met all the same.
+TEST(UniformMotion, PostInTheMiddleOfAFlightIsMet) {
+  CompiledModel model(sourceFile("post.tf", R"(
+model Post
+  coordinate Real x(start = -1, der(start = 1)), y(start = 1, der(start = 10));
+  body ball(mass = 1, position = {x, y});
+  gravity weight(acceleration = {0, -10});
+  contact post(gap = y + 1 - 8*exp(-50*x^2), restitution = 0);
+end Post;
+)"));
+  ASSERT_EQ(model.model().uniform_flight, 1);
+  model.tolerance(1e-8).run(2);
+  ASSERT_GE(model.count(TF_EVENT_IMPACT), 1);
+  const auto gap = [](double t) { return 2 + 10 * t - 5 * t * t - 8 * std::exp(-50 * (t - 1) * (t - 1)); };
+  double open = 0.8, closed = 1;
+  while (closed - open > 1e-15)
+    (gap(0.5 * (open + closed)) > 0 ? open : closed) = 0.5 * (open + closed);
+  EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), closed, 1e-11);
+}
+
 // A box that slides on a rough floor comes to rest on two corners; a push begins at t = 50.
 TEST(UniformMotion, RestLastsUntilSomethingPushes) {
   CompiledModel model(sourceFile("resting_box.tf", R"(

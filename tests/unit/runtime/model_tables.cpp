@@ -72,7 +72,7 @@ void ModelTables::alias(const std::string &name, const std::string &of, double s
 
 void ModelTables::contact(const std::string &name, int tangents) {
   const int index = static_cast<int>(contacts_.size());
-  contacts_.push_back({keep(name), model_.nt, tangents, TF_FRICTION_EXACT, TF_LAW_POISSON, 1, nextLocation(contacts_.size()), 0});
+  contacts_.push_back({keep(name), model_.nt, tangents, TF_FRICTION_EXACT, TF_LAW_POISSON, 1, nextLocation(contacts_.size()), 0, 0});
   variable({.name = name + ".gap", .kind = TF_KIND_GAP, .index = index, .unit = "m"});
   variable({.name = name + ".normalForce", .kind = TF_KIND_NORMAL_FORCE, .index = index, .unit = "N"});
   variable({.name = name + ".closed", .kind = TF_KIND_CLOSED, .index = index, .flags = TF_BOOLEAN});

@@ -167,5 +167,31 @@ TEST(ModeDynamicsTest, ProjectionReturnsToTheContact) {
   EXPECT_NEAR(box.at.gapRate[0], 0, 1e-13);
 }
 
+TEST(ModeDynamicsTest, ResidualIsWhatProjectionRemoves) {
+  std::vector<double> state;
+  InMode box = slidingBox(state);
+  std::vector<double> rate(box.dynamics.size());
+  const std::vector<double> scale(state.size(), 1.0);
+  const auto residual = [&](const std::vector<double> &at) { return box.dynamics.heldResidual(0, at.data()); };
+  EXPECT_LE(residual(state), 1e-14);
+  // Along the slip nothing is held.
+  std::vector<double> moved = state;
+  moved[0] += 0.1;
+  moved[3] += 0.1;
+  EXPECT_LE(residual(moved), 1e-14);
+  const double gapScale = box.at.scales.gap(0, state.data()), rateScale = box.at.scales.gapRate(0, state.data() + 3);
+  moved[1] += 3e-7;
+  EXPECT_NEAR(residual(moved), 3e-7 / gapScale, 1e-12);
+  moved[4] -= 5e-6;
+  EXPECT_NEAR(residual(moved), std::max(3e-7 / gapScale, 5e-6 / rateScale), 1e-9);
+  for (int pass = 0; pass < 2; ++pass) {
+    ASSERT_TRUE(box.dynamics.evaluate(0, moved.data(), rate.data()));
+    box.dynamics.project(0, moved.data(), scale.data());
+  }
+  EXPECT_LE(residual(moved), 1e-14);
+  moved[1] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_TRUE(std::isnan(residual(moved)));
+}
+
 }  // namespace
 }  // namespace tf::runtime

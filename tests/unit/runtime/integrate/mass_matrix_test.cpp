@@ -47,9 +47,8 @@ TEST(MassMatrix, FirstHalvesOfManyRowsAreThoseOfEachRow) {
     MassMatrix factor(n);
     ASSERT_TRUE(factor.factorise(mass.data()));
     ASSERT_TRUE(factor.isLarge(0));
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
     const Eigen::MatrixXd rows = Eigen::MatrixXd::Random(n, 8);
-    RowMajor panel(n, 8);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> panel(n, 8);
     for (int place = 0; place < n; ++place)
       panel.row(place) = rows.row(factor.rowAt(place));
     factor.forwardPanel(0, 8, panel.data());
