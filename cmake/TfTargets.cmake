@@ -12,6 +12,10 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL GNU)
   # Sources that are compiled for optimisation as a whole are linked as they are, but in targets with the property TF_OPTIMISES_WHOLE.
   target_link_options(tf_options INTERFACE $<$<NOT:$<BOOL:$<TARGET_PROPERTY:TF_OPTIMISES_WHOLE>>>:-fno-lto>)
 endif()
+if(TF_UNITY AND CMAKE_CXX_COMPILER_ID STREQUAL Clang)
+  # Names of sources that are compiled together would count as shadowed, those in anonymous namespaces as well, which gcc passes over.
+  target_compile_options(tf_options INTERFACE -Wno-shadow)
+endif()
 if(TF_SANITIZE)
   # The sources of the tests have the address sanitizer alone, which Eigen's memory depends on: the behaviour of what they test is watched, and
   # much of the time that a sanitized build takes would be theirs.
