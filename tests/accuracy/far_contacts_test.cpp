@@ -1,4 +1,5 @@
 // Models with many contacts, of which few are near at any time: none that closes may be overlooked.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/each_integrator.h"
 
 #include <cmath>
@@ -8,8 +9,6 @@
 
 namespace tf::test {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 // Equal balls in a row: each impact passes the whole velocity on.
 TEST(FarContacts, AnImpactTravelsAlongARow) {

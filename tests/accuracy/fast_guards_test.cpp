@@ -1,4 +1,5 @@
 // Switches whose conditions vary much faster than the state: between two of them the state hardly changes, so that a step may be long.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/each_integrator.h"
 
 #include <algorithm>
@@ -11,8 +12,6 @@
 
 namespace tf::test {
 namespace {
-
-constexpr double pi = 3.14159265358979323846;
 
 double bisect(const std::function<double(double)> &function, double low, double high) {
   const bool rises = function(low) < 0;

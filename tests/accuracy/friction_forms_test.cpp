@@ -1,4 +1,5 @@
 // Polyhedral friction of slips of two components: against the exact solution of the polygon's law, and its convergence to Coulomb's disk.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/support/compiled_model.h"
 #include "tests/accuracy/tumbling_box.h"
 
@@ -13,7 +14,6 @@ namespace tf::test {
 namespace {
 
 using Vector = std::complex<double>;
-constexpr double g = 9.81, pi = std::numbers::pi;
 
 // A slip under the friction of a regular polygon with 2N sides and vertices of length 1, of which the one that dissipates most is against
 // it: velocity and place after `amount` = ∫ limit/mass dt. Between two normals of sides the force is constant; on a normal it is the side's

@@ -1,4 +1,5 @@
 // Gaps, slips, conditions and forces that just reach zero inside a long step, or just do not: neither is missed or invented.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
@@ -175,7 +176,7 @@ TEST(Grazing, FarGapsAndFastSlipsTakeNoEvaluations) {
 
 // A follower leaves a cam at no speed and no acceleration: the errors of steps do not close the gap again.
 TEST(Grazing, GapsThatOpenSlowly) {
-  const double lift = 0.2, speed = 10, g = 9.81;
+  const double lift = 0.2, speed = 10;
   const double start = -std::acos(0.0), leaves = (std::acos(0.0) - std::acos(g / (lift * speed * speed))) / speed;
   for (const auto integrator : {TF_AUTO, TF_EXPLICIT, TF_STEP, TF_CVODE})
     for (const double tolerance : {1e-4, 1e-5, 1e-6}) {

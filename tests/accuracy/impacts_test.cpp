@@ -1,4 +1,5 @@
 // Examples with restitution and infinitely many impacts (Zeno) against closed forms and independent references.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/pushed_table.h"
 #include "tests/accuracy/support/compiled_model.h"
 
@@ -10,7 +11,6 @@
 namespace tf::test {
 namespace {
 
-constexpr double g = 9.81;
 constexpr std::array<tf_integrator, 3> kIntegrators = {TF_STEP, TF_EXPLICIT, TF_CVODE};
 
 TEST(Impacts, BouncingBallRestsWhereItsBouncesAccumulate) {

@@ -9,14 +9,14 @@
 namespace tf::test {
 namespace {
 
-struct Case {
+struct InvariantsCase {
   const char *file;
   bool isFree;  // nothing does work on it: the energy may only fall
 };
 
-std::ostream &operator<<(std::ostream &out, const Case &c) { return out << c.file; }
+std::ostream &operator<<(std::ostream &out, const InvariantsCase &c) { return out << c.file; }
 
-class Invariants : public testing::TestWithParam<Case> {};
+class Invariants : public testing::TestWithParam<InvariantsCase> {};
 
 TEST_P(Invariants, HoldAtEveryOutput) {
   CompiledModel model(example(GetParam().file));
@@ -56,11 +56,13 @@ TEST_P(Invariants, HoldWhereStepsAreLong) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, Invariants,
-                         testing::Values(Case{"particle.tf", true}, Case{"incline.tf", true}, Case{"corner.tf", true},
-                                         Case{"falling_rod.tf", true}, Case{"falling_box.tf", true}, Case{"chain.tf", true},
-                                         Case{"slider_crank.tf", true}, Case{"carts.tf", true}, Case{"pushed_block.tf", false},
-                                         Case{"moving_ground.tf", false}, Case{"pendulum_wall.tf", false}),
-                         [](const testing::TestParamInfo<Case> &testCase) {
+                         testing::Values(InvariantsCase{"particle.tf", true}, InvariantsCase{"incline.tf", true},
+                                         InvariantsCase{"corner.tf", true}, InvariantsCase{"falling_rod.tf", true},
+                                         InvariantsCase{"falling_box.tf", true}, InvariantsCase{"chain.tf", true},
+                                         InvariantsCase{"slider_crank.tf", true}, InvariantsCase{"carts.tf", true},
+                                         InvariantsCase{"pushed_block.tf", false}, InvariantsCase{"moving_ground.tf", false},
+                                         InvariantsCase{"pendulum_wall.tf", false}),
+                         [](const testing::TestParamInfo<InvariantsCase> &testCase) {
                            const std::string file = testCase.param.file;
                            return file.substr(0, file.find('.'));
                          });

@@ -1,4 +1,5 @@
 // Painlevé's paradox and the indeterminacy beside it against closed forms and independent references.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <array>
@@ -8,7 +9,6 @@
 namespace tf::test {
 namespace {
 
-constexpr double g = 9.81;
 constexpr std::array<tf_integrator, 3> kIntegrators = {TF_STEP, TF_EXPLICIT, TF_CVODE};
 
 TEST(Painleve, RodLeavesTheFloor) {

@@ -33,15 +33,15 @@ const Reference kSlider{"S11_slidercrank_e0",
                         {"phi[1]", "phi[2]", "phi[3]", "der(phi[1])", "der(phi[2])", "der(phi[3])"},
                         1e-6};
 
-struct Case {
+struct TrajectoryCase {
   const Reference *reference;
   tf_integrator integrator;
   const char *integratorName;
 };
 
-std::ostream &operator<<(std::ostream &out, const Case &c) { return out << c.reference->name << " by " << c.integratorName; }
+std::ostream &operator<<(std::ostream &out, const TrajectoryCase &c) { return out << c.reference->name << " by " << c.integratorName; }
 
-class ReferenceTrajectory : public testing::TestWithParam<Case> {};
+class ReferenceTrajectory : public testing::TestWithParam<TrajectoryCase> {};
 
 std::string path(const Reference &reference, const char *suffix) {
   return std::string(TF_SOURCE_DIR "/tests/accuracy/reference/") + reference.name + suffix;
@@ -85,14 +85,15 @@ TEST_P(ReferenceTrajectory, EveryEventIsFoundAtItsTime) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ReferenceTrajectory,
-                         testing::Values(Case{&kRod, TF_AUTO, "auto"}, Case{&kRod, TF_STEP, "step"}, Case{&kRod, TF_EXPLICIT, "explicit"},
-                                         Case{&kRod, TF_CVODE, "cvode"}, Case{&kBox, TF_AUTO, "auto"}, Case{&kBox, TF_STEP, "step"},
-                                         Case{&kBox, TF_EXPLICIT, "explicit"}, Case{&kBox, TF_CVODE, "cvode"},
-                                         Case{&kChain, TF_AUTO, "auto"}, Case{&kChain, TF_STEP, "step"},
-                                         Case{&kChain, TF_EXPLICIT, "explicit"}, Case{&kChain, TF_CVODE, "cvode"},
-                                         Case{&kSlider, TF_AUTO, "auto"}, Case{&kSlider, TF_STEP, "step"},
-                                         Case{&kSlider, TF_EXPLICIT, "explicit"}, Case{&kSlider, TF_CVODE, "cvode"}),
-                         [](const testing::TestParamInfo<Case> &testCase) {
+                         testing::Values(TrajectoryCase{&kRod, TF_AUTO, "auto"}, TrajectoryCase{&kRod, TF_STEP, "step"},
+                                         TrajectoryCase{&kRod, TF_EXPLICIT, "explicit"}, TrajectoryCase{&kRod, TF_CVODE, "cvode"},
+                                         TrajectoryCase{&kBox, TF_AUTO, "auto"}, TrajectoryCase{&kBox, TF_STEP, "step"},
+                                         TrajectoryCase{&kBox, TF_EXPLICIT, "explicit"}, TrajectoryCase{&kBox, TF_CVODE, "cvode"},
+                                         TrajectoryCase{&kChain, TF_AUTO, "auto"}, TrajectoryCase{&kChain, TF_STEP, "step"},
+                                         TrajectoryCase{&kChain, TF_EXPLICIT, "explicit"}, TrajectoryCase{&kChain, TF_CVODE, "cvode"},
+                                         TrajectoryCase{&kSlider, TF_AUTO, "auto"}, TrajectoryCase{&kSlider, TF_STEP, "step"},
+                                         TrajectoryCase{&kSlider, TF_EXPLICIT, "explicit"}, TrajectoryCase{&kSlider, TF_CVODE, "cvode"}),
+                         [](const testing::TestParamInfo<TrajectoryCase> &testCase) {
                            return std::string(testCase.param.reference->name) + "_" + testCase.param.integratorName;
                          });
 

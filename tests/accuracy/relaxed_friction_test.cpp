@@ -1,5 +1,6 @@
 // Relaxed friction of slips of two components, c3 = ‖slip‖ − slipRadius: against closed forms of its law (outside of the disk, inside and
 // on its edge), and its convergence to Coulomb's exact law.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/support/compiled_model.h"
 #include "tests/accuracy/tumbling_box.h"
 
@@ -14,7 +15,6 @@ namespace tf::test {
 namespace {
 
 using Vector = std::complex<double>;
-constexpr double g = 9.81;
 
 std::string puck(const std::string &form = "Relaxed") {
   return sourceFile("relaxed_puck_" + form + ".tf", R"(

@@ -12,51 +12,51 @@
 namespace tf::test {
 namespace {
 
-constexpr int count = 97;  // of samples, and one more at the end
-constexpr int part = 14;   // of them: so many are between the ends of few steps
+constexpr int sampleCount = 97;  // of samples, and one more at the end
+constexpr int partCount = 14;    // of them: so many are between the ends of few steps
 
-// Calls `read` at `count` equal parts of the run.
+// Calls `read` at `sampleCount` equal parts of the run.
 void sample(CompiledModel &model, double end, const std::function<void()> &read) {
   struct Samples {
     const std::function<void()> &read;
     double end;
     int taken = 0;
-    [[nodiscard]] double next() const { return end * (taken + 1) / (count + 1); }
+    [[nodiscard]] double next() const { return end * (taken + 1) / (sampleCount + 1); }
   } samples{read, end};
   const auto take = [](void *data, double time) {
     auto &own = *static_cast<Samples *>(data);
     EXPECT_EQ(time, own.next());
     own.read();
     ++own.taken;
-    return own.taken < count ? own.next() : std::numeric_limits<double>::infinity();
+    return own.taken < sampleCount ? own.next() : std::numeric_limits<double>::infinity();
   };
   ASSERT_EQ(tf_run(model.simulation(), end, samples.next(), take, &samples), TF_OK) << tf_error_text(model.simulation());
-  EXPECT_EQ(samples.taken, count);
+  EXPECT_EQ(samples.taken, sampleCount);
   read();
 }
 
 // The same, where steps end at each of them.
 void stepThrough(CompiledModel &model, double end, const std::function<void()> &read) {
-  for (int k = 1; k <= count + 1; ++k) {
-    model.advance(k <= count ? end * k / (count + 1) : end);
+  for (int k = 1; k <= sampleCount + 1; ++k) {
+    model.advance(k <= sampleCount ? end * k / (sampleCount + 1) : end);
     read();
   }
 }
 
 void stepFar(CompiledModel &model, double end, const std::function<void()> &read) {
-  for (int k = part; k <= count + 1; k += part) {
-    model.advance(end * k / (count + 1));
+  for (int k = partCount; k <= sampleCount + 1; k += partCount) {
+    model.advance(end * k / (sampleCount + 1));
     read();
   }
 }
 
-struct Case {
+struct SampledCase {
   const char *file;
   double end;
   std::vector<const char *> variables;
 };
 
-const Case cases[] = {
+const SampledCase sampledCases[] = {
     {"double_pendulum.tf", 1.2, {"phi[1]", "phi[2]", "der(phi[1])", "der(phi[2])"}},
     {"falling_box.tf", 1.2, {"r[1]", "r[2]", "phi", "der(phi)"}},
     {"four_bar.tf", 1.5, {"phi[1]", "phi[2]", "phi[3]", "der(phi[1])"}},
@@ -71,7 +71,7 @@ protected:
   using Through = void (*)(CompiledModel &, double, const std::function<void()> &);
 
   // Values of the case's variables and the losses, at all samples and the end.
-  static Rows rowsOf(const Case &one, tf_integrator integrator, double tolerance, Through through) {
+  static Rows rowsOf(const SampledCase &one, tf_integrator integrator, double tolerance, Through through) {
     CompiledModel model(example(one.file));
     tf_set_energy_balance(model.simulation(), 1);
     model.tolerance(tolerance).integrator(integrator).initialise();
@@ -99,9 +99,9 @@ protected:
 
 TEST_P(Samples, AreAsExactAsTheEndsOfSteps) {
   const auto &[number, integrator, tolerance] = GetParam();
-  const Case &one = cases[number];
+  const SampledCase &one = sampledCases[number];
   const Rows exact = rowsOf(one, TF_AUTO, 1e-11, stepThrough);
-  ASSERT_EQ(exact.size(), count + 1U);
+  ASSERT_EQ(exact.size(), sampleCount + 1U);
   const Rows sampled = rowsOf(one, integrator, tolerance, sample);
   ASSERT_EQ(sampled.size(), exact.size());
   const double ofSteps = difference(rowsOf(one, integrator, tolerance, stepFar), exact);
@@ -110,13 +110,13 @@ TEST_P(Samples, AreAsExactAsTheEndsOfSteps) {
 
 std::string nameOf(const testing::TestParamInfo<Samples::ParamType> &one) {
   constexpr const char *names[] = {"auto", "step", "cvode", "explicit"};
-  const std::string file = cases[std::get<0>(one.param)].file;
+  const std::string file = sampledCases[std::get<0>(one.param)].file;
   const int digits = static_cast<int>(std::lround(-std::log10(std::get<2>(one.param))));
   return file.substr(0, file.find('.')) + "_" + names[std::get<1>(one.param)] + "_" + std::to_string(digits);
 }
 
 INSTANTIATE_TEST_SUITE_P(Cases, Samples,
-                         testing::Combine(testing::Range(std::size_t{0}, std::size(cases)), testing::ValuesIn(integrators),
+                         testing::Combine(testing::Range(std::size_t{0}, std::size(sampledCases)), testing::ValuesIn(integrators),
                                           testing::Values(1e-3, 1e-6, 1e-9)),
                          nameOf);
 

@@ -1,4 +1,5 @@
 // Many bodies and contacts: chains of different lengths, bodies apart in one model.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
@@ -188,7 +189,7 @@ TEST(Spheres, FallIntoABox) {
 // Each rests at its own time, sqrt(2h/g) (1 + e)/(1 − e), while the others bounce on.
 TEST(Spheres, RestOneAfterTheOther) {
   constexpr int count = 30;
-  constexpr double g = 9.81, e = 0.3;
+  constexpr double e = 0.3;
   CompiledModel model(sourceFile("resting_spheres.tf", R"(model RestingSpheres
   constant Integer n = 30;
   coordinate Real c[n, 3](start = {{k, 0, 0.1 + 0.03*k} for k in 1:n});

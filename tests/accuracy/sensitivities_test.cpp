@@ -150,7 +150,7 @@ TEST(Sensitivities, NamesOfResultsAreRefused) {
   EXPECT_EQ(tf_get_sensitivity(model.simulation(), 0, all.data()), TF_BAD_ARGUMENT);
 }
 
-struct Case {
+struct DifferenceCase {
   const char *file;
   double time;
   const char *name;
@@ -158,7 +158,7 @@ struct Case {
   double tolerance = 2e-7;
 };
 
-std::ostream &operator<<(std::ostream &out, const Case &c) {
+std::ostream &operator<<(std::ostream &out, const DifferenceCase &c) {
   return out << std::string(c.file).substr(0, std::string(c.file).find('\n')) << " by " << c.name << " at " << c.time;
 }
 
@@ -391,7 +391,7 @@ std::string fileOf(const char *model) {
                                              : sourceFile("sensitivity" + std::to_string(std::hash<std::string>()(text)) + ".tf", text);
 }
 
-class RunDifferences : public testing::TestWithParam<Case> {};
+class RunDifferences : public testing::TestWithParam<DifferenceCase> {};
 
 std::vector<double> states(CompiledModel &model) {
   std::vector<double> all = model.valuesOf(TF_KIND_COORDINATE);
@@ -401,7 +401,7 @@ std::vector<double> states(CompiledModel &model) {
 }
 
 TEST_P(RunDifferences, Agree) {
-  const Case &c = GetParam();
+  const DifferenceCase &c = GetParam();
   // Of order 4: some of the runs are far from linear in their parameter.
   const double h = 1e-5 * std::max(1.0, std::abs(c.value));
   const auto run = [&](double value) {
@@ -427,54 +427,64 @@ TEST_P(RunDifferences, Agree) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Examples, RunDifferences,
-                         testing::Values(Case{"falling_rod.tf", 0.6, "mu", 0.3}, Case{"falling_rod.tf", 1.4, "phi", 0.785},
-                                         Case{"falling_box.tf", 0.9, "der(r[1])", 3}, Case{"stickslip.tf", 3, "mu", 0.5},
-                                         Case{"stickslip.tf", 3, "k", 4}, Case{"chain.tf", 0.4, "mu", 0.5},
-                                         Case{"chain.tf", 0.4, "r[2]", 0.3}));
+                         testing::Values(DifferenceCase{"falling_rod.tf", 0.6, "mu", 0.3},
+                                         DifferenceCase{"falling_rod.tf", 1.4, "phi", 0.785},
+                                         DifferenceCase{"falling_box.tf", 0.9, "der(r[1])", 3},
+                                         DifferenceCase{"stickslip.tf", 3, "mu", 0.5}, DifferenceCase{"stickslip.tf", 3, "k", 4},
+                                         DifferenceCase{"chain.tf", 0.4, "mu", 0.5}, DifferenceCase{"chain.tf", 0.4, "r[2]", 0.3}));
 
 // Quaternions are differentiated as they are, four components each, whose changes keep them at unit length.
-INSTANTIATE_TEST_SUITE_P(InSpace, RunDifferences,
-                         testing::Values(Case{kTop, 1.5, "a", 0.3}, Case{kTop, 1.5, "wx", 1}, Case{kTop, 1.5, "g", 9.81},
-                                         Case{kBall, 1, "mu", 0.2}, Case{kBall, 2, "mu", 0.2}, Case{kBall, 2, "wy", -60},
-                                         Case{kBall, 2, "wz", 10}, Case{kPuck, 0.3, "k", 1}, Case{kPuck, 4, "mu", 0.3},
-                                         Case{kPuck, 4, "angle", 0.4}, Case{kPuck, 3, "pull", 12}, Case{kPuck, 4, "k", 1},
-                                         Case{kHeld, 1, "mu", 0.3}, Case{kHeld, 1, "e", 0.4}, Case{kHeld, 1, "side", 0.3},
-                                         Case{kRelay, 0.5, "u", 1}, Case{kRelay, 0.5, "mu", 0.3}, Case{kElement, 3, "bound", 3},
-                                         Case{kElement, 3, "vx", 1.2}, Case{kElement, 3, "k", 20}, Case{kPlate, 0.2, "mu", 0.3},
-                                         Case{kPlate, 1, "mu", 0.3, 2e-6}, Case{kPlate, 1, "vx", 1, 2e-6}, Case{kPlate, 1, "w0", 4, 2e-6},
-                                         Case{kPolygon, 4, "mu", 0.3}, Case{kPolygon, 4, "angle", 0.4}, Case{kPolygon, 4, "k", 1}));
+INSTANTIATE_TEST_SUITE_P(
+    InSpace, RunDifferences,
+    testing::Values(DifferenceCase{kTop, 1.5, "a", 0.3}, DifferenceCase{kTop, 1.5, "wx", 1}, DifferenceCase{kTop, 1.5, "g", 9.81},
+                    DifferenceCase{kBall, 1, "mu", 0.2}, DifferenceCase{kBall, 2, "mu", 0.2}, DifferenceCase{kBall, 2, "wy", -60},
+                    DifferenceCase{kBall, 2, "wz", 10}, DifferenceCase{kPuck, 0.3, "k", 1}, DifferenceCase{kPuck, 4, "mu", 0.3},
+                    DifferenceCase{kPuck, 4, "angle", 0.4}, DifferenceCase{kPuck, 3, "pull", 12}, DifferenceCase{kPuck, 4, "k", 1},
+                    DifferenceCase{kHeld, 1, "mu", 0.3}, DifferenceCase{kHeld, 1, "e", 0.4}, DifferenceCase{kHeld, 1, "side", 0.3},
+                    DifferenceCase{kRelay, 0.5, "u", 1}, DifferenceCase{kRelay, 0.5, "mu", 0.3}, DifferenceCase{kElement, 3, "bound", 3},
+                    DifferenceCase{kElement, 3, "vx", 1.2}, DifferenceCase{kElement, 3, "k", 20}, DifferenceCase{kPlate, 0.2, "mu", 0.3},
+                    DifferenceCase{kPlate, 1, "mu", 0.3, 2e-6}, DifferenceCase{kPlate, 1, "vx", 1, 2e-6},
+                    DifferenceCase{kPlate, 1, "w0", 4, 2e-6}, DifferenceCase{kPolygon, 4, "mu", 0.3},
+                    DifferenceCase{kPolygon, 4, "angle", 0.4}, DifferenceCase{kPolygon, 4, "k", 1}));
 
 // The slips of both corners end in the impact or, with less friction, right after it.
 INSTANTIATE_TEST_SUITE_P(Landing, RunDifferences,
-                         testing::Values(Case{kLanding, 0.08, "mu", 0.4, 1e-6}, Case{kLanding, 0.08, "v", 0.3, 1e-6},
-                                         Case{kLanding, 0.08, "J", 0.1, 1e-6}));
+                         testing::Values(DifferenceCase{kLanding, 0.08, "mu", 0.4, 1e-6}, DifferenceCase{kLanding, 0.08, "v", 0.3, 1e-6},
+                                         DifferenceCase{kLanding, 0.08, "J", 0.1, 1e-6}));
 
-INSTANTIATE_TEST_SUITE_P(Bend, RunDifferences, testing::Values(Case{kRamp, 1, "mu", 0.2}, Case{kRamp, 1, "a", 0.5}));
+INSTANTIATE_TEST_SUITE_P(Bend, RunDifferences, testing::Values(DifferenceCase{kRamp, 1, "mu", 0.2}, DifferenceCase{kRamp, 1, "a", 0.5}));
 
-INSTANTIATE_TEST_SUITE_P(Constrained, RunDifferences, testing::Values(Case{kPendulum, 2, "angle", 1.2}, Case{kPendulum, 2, "L", 1}));
+INSTANTIATE_TEST_SUITE_P(Constrained, RunDifferences,
+                         testing::Values(DifferenceCase{kPendulum, 2, "angle", 1.2}, DifferenceCase{kPendulum, 2, "L", 1}));
 
 INSTANTIATE_TEST_SUITE_P(Worn, RunDifferences,
-                         testing::Values(Case{kWorn, 0.3, "mu", 0.3}, Case{kWorn, 0.3, "c", 0.1}, Case{kWorn, 0.3, "vx", 2}));
+                         testing::Values(DifferenceCase{kWorn, 0.3, "mu", 0.3}, DifferenceCase{kWorn, 0.3, "c", 0.1},
+                                         DifferenceCase{kWorn, 0.3, "vx", 2}));
 
 // How redundant contacts share their load decides on the motion.
-INSTANTIATE_TEST_SUITE_P(
-    Shared, RunDifferences,
-    testing::Values(Case{kFeet, 0.3, "mu[1]", 0.25, 1e-8}, Case{kFeet, 0.3, "c", 0.05, 1e-8}, Case{kFeet, 0.3, "h", 0.02, 1e-8},
-                    Case{kFeet, 0.3, "m", 3, 1e-8}, Case{kFeet, 0.3, "J", 0.07, 1e-8}, Case{kFeet, 0.3, "a", 0.2, 1e-8},
-                    Case{kFeet, 0.3, "e", 0.01, 1e-8}, Case{kFeet, 0.3, "wz", 6, 1e-8}, Case{kFeet, 0.3, "pull", 0, 1e-8},
-                    Case{kFeet, 2, "mu[1]", 0.25}, Case{kFeet, 2, "a", 0.2}, Case{kFeet, 2, "wz", 6}, Case{kFeet, 2, "g", 10},
-                    Case{kGroove, 0.3, "mu[1]", 0.1, 1e-8}, Case{kGroove, 0.3, "m", 2, 1e-8}, Case{kGroove, 0.3, "s", 0.5, 1e-8},
-                    Case{kGroove, 0.3, "a", 0.3, 1e-8}, Case{kGroove, 0.3, "x2", 0.02, 1e-8}, Case{kGroove, 0.3, "k", 4, 1e-8},
-                    Case{kLegs, 0.3, "h2", 0.3, 1e-8}, Case{kLegs, 2, "mu[1]", 0.2, 1e-8}, Case{kLegs, 2, "m", 3, 1e-8},
-                    Case{kLegs, 2, "x1", 0.4, 1e-8}, Case{kLegs, 2, "vx", 2, 1e-8}, Case{kLegs, 2, "c", 0.2, 1e-8},
-                    Case{kBounds, 0.2, "mu[1]", 0.2, 1e-8}, Case{kBounds, 0.24, "mu[3]", 0.1, 1e-8}, Case{kBounds, 0.24, "x1", 0.5, 1e-8},
-                    Case{kBounds, 0.246, "mu[3]", 0.1, 1e-8}, Case{kBounds, 0.246, "m", 1, 1e-8}, Case{kBounds, 0.246, "x4", 0.6, 1e-8},
-                    Case{kBounds, 0.246, "v2", 0.8, 1e-8}));
+INSTANTIATE_TEST_SUITE_P(Shared, RunDifferences,
+                         testing::Values(DifferenceCase{kFeet, 0.3, "mu[1]", 0.25, 1e-8}, DifferenceCase{kFeet, 0.3, "c", 0.05, 1e-8},
+                                         DifferenceCase{kFeet, 0.3, "h", 0.02, 1e-8}, DifferenceCase{kFeet, 0.3, "m", 3, 1e-8},
+                                         DifferenceCase{kFeet, 0.3, "J", 0.07, 1e-8}, DifferenceCase{kFeet, 0.3, "a", 0.2, 1e-8},
+                                         DifferenceCase{kFeet, 0.3, "e", 0.01, 1e-8}, DifferenceCase{kFeet, 0.3, "wz", 6, 1e-8},
+                                         DifferenceCase{kFeet, 0.3, "pull", 0, 1e-8}, DifferenceCase{kFeet, 2, "mu[1]", 0.25},
+                                         DifferenceCase{kFeet, 2, "a", 0.2}, DifferenceCase{kFeet, 2, "wz", 6},
+                                         DifferenceCase{kFeet, 2, "g", 10}, DifferenceCase{kGroove, 0.3, "mu[1]", 0.1, 1e-8},
+                                         DifferenceCase{kGroove, 0.3, "m", 2, 1e-8}, DifferenceCase{kGroove, 0.3, "s", 0.5, 1e-8},
+                                         DifferenceCase{kGroove, 0.3, "a", 0.3, 1e-8}, DifferenceCase{kGroove, 0.3, "x2", 0.02, 1e-8},
+                                         DifferenceCase{kGroove, 0.3, "k", 4, 1e-8}, DifferenceCase{kLegs, 0.3, "h2", 0.3, 1e-8},
+                                         DifferenceCase{kLegs, 2, "mu[1]", 0.2, 1e-8}, DifferenceCase{kLegs, 2, "m", 3, 1e-8},
+                                         DifferenceCase{kLegs, 2, "x1", 0.4, 1e-8}, DifferenceCase{kLegs, 2, "vx", 2, 1e-8},
+                                         DifferenceCase{kLegs, 2, "c", 0.2, 1e-8}, DifferenceCase{kBounds, 0.2, "mu[1]", 0.2, 1e-8},
+                                         DifferenceCase{kBounds, 0.24, "mu[3]", 0.1, 1e-8}, DifferenceCase{kBounds, 0.24, "x1", 0.5, 1e-8},
+                                         DifferenceCase{kBounds, 0.246, "mu[3]", 0.1, 1e-8}, DifferenceCase{kBounds, 0.246, "m", 1, 1e-8},
+                                         DifferenceCase{kBounds, 0.246, "x4", 0.6, 1e-8}, DifferenceCase{kBounds, 0.246, "v2", 0.8, 1e-8}));
 
 // Of a tip on a sphere three rows are redundant, and contradict one another where the table has another speed than the tip.
 INSTANTIATE_TEST_SUITE_P(Redundant, RunDifferences,
-                         testing::Values(Case{kTether, 1.6, "W", 4}, Case{kTether, 1.9, "W", 4}, Case{kTether, 1.9, "gx", 3, 1e-6},
-                                         Case{kTether, 1.9, "mu", 0.4, 1e-6}, Case{kTether, 1.9, "d", 0.5, 1e-6}));
+                         testing::Values(DifferenceCase{kTether, 1.6, "W", 4}, DifferenceCase{kTether, 1.9, "W", 4},
+                                         DifferenceCase{kTether, 1.9, "gx", 3, 1e-6}, DifferenceCase{kTether, 1.9, "mu", 0.4, 1e-6},
+                                         DifferenceCase{kTether, 1.9, "d", 0.5, 1e-6}));
 
 void expectRefusal(CompiledModel &model, const char *name, double end, const char *reason) {
   differentiateBy(model, {name});
@@ -624,10 +634,12 @@ TEST(Sensitivities, OfAnImpactWithAKinkAreRefused) {
 
 // Through the point where infinitely many impacts accumulate.
 INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
-                         testing::Values(Case{"bouncing_ball.tf", 6, "e", 0.8}, Case{"rocking_block.tf", 3, "tilt", -0.2},
-                                         Case{"rocking_block.tf", 3, "b", 0.2}, Case{kSkipping, 3, "e", 0.6},
-                                         Case{kSkipping, 3, "mu", 0.05}, Case{kSkipping, 3, "h", 1}, Case{kBouncing, 2, "e", 0.5},
-                                         Case{kBouncing, 2, "h", 0.3}, Case{kSlot, 1, "mu", 0.25}, Case{kSlot, 1, "e", 0.3}));
+                         testing::Values(DifferenceCase{"bouncing_ball.tf", 6, "e", 0.8},
+                                         DifferenceCase{"rocking_block.tf", 3, "tilt", -0.2},
+                                         DifferenceCase{"rocking_block.tf", 3, "b", 0.2}, DifferenceCase{kSkipping, 3, "e", 0.6},
+                                         DifferenceCase{kSkipping, 3, "mu", 0.05}, DifferenceCase{kSkipping, 3, "h", 1},
+                                         DifferenceCase{kBouncing, 2, "e", 0.5}, DifferenceCase{kBouncing, 2, "h", 0.3},
+                                         DifferenceCase{kSlot, 1, "mu", 0.25}, DifferenceCase{kSlot, 1, "e", 0.3}));
 
 // Bounces of a foot that accumulate, in a mechanism whose gaps are no coordinates: the slower an impact, the more its time moves with a
 // given error of a derivative of the gap.

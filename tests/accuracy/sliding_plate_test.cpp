@@ -57,12 +57,12 @@ std::pair<State, double> rest(const Plate &plate, State y) {
 }
 
 // Eight feet on a ring; rates of x, y, psi at the start.
-struct Case {
+struct PlateCase {
   double tolerance;
   std::array<double, 3> rates;
 };
 
-class SlidingPlate : public testing::TestWithParam<Case> {};
+class SlidingPlate : public testing::TestWithParam<PlateCase> {};
 
 TEST_P(SlidingPlate, StopsAsAWhole) {
   const std::string file = sourceFile("sliding_plate", R"(
@@ -90,15 +90,15 @@ end SlidingPlate;
   EXPECT_NEAR(model.events().back().time, time, 10 * tolerance);
 }
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<PlateCase> plateCases() {
+  std::vector<PlateCase> all;
   for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10})
     for (const std::array<double, 3> &rates : {std::array{1.0, 0.2, 1.5}, std::array{0.3, 0.1, 4.0}, std::array{1.0, 0.2, 0.5}})
       all.push_back({tolerance, rates});
   return all;
 }
 
-INSTANTIATE_TEST_SUITE_P(Tolerances, SlidingPlate, testing::ValuesIn(cases()));
+INSTANTIATE_TEST_SUITE_P(Tolerances, SlidingPlate, testing::ValuesIn(plateCases()));
 
 // A pull that turns and is larger than friction for an instant only: the slip is about as slow as errors are.
 TEST(BriefSlip, EndsWithAnyTolerance) {

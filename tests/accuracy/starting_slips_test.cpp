@@ -45,7 +45,7 @@ Complex placeOfBlock(double time, double W0, double W1, double growth, double tu
   return std::exp(i * (W0 * time + W1 * time * time / 2)) * (Complex(0.4, -0.3) + way);
 }
 
-constexpr double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
+constexpr double slipTolerances[] = {1e-4, 1e-6, 1e-8, 1e-10, 1e-12};
 
 // CVODE's local errors are not controlled below 1e-13 in each of its many steps.
 double allowed(tf_integrator integrator, double tolerance) { return std::max(10 * tolerance, integrator == TF_CVODE ? 1e-9 : 1e-11); }
@@ -57,7 +57,7 @@ void expectOneSlip(const CompiledModel &model, double time, double error) {
 }
 
 void expectPlaces(const std::string &file, const Settings &settings, double W0, double W1, double growth, double turning) {
-  for (const double tolerance : tolerances)
+  for (const double tolerance : slipTolerances)
     for (const tf_integrator integrator : integrators) {
       SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(std::log10(tolerance)));
       CompiledModel model(file, settings);
@@ -131,7 +131,7 @@ struct Recorded {
 };
 
 void expectRecorded(const std::string &file, const Recorded &recorded) {
-  for (const double tolerance : tolerances)
+  for (const double tolerance : slipTolerances)
     for (const tf_integrator integrator : integrators) {
       SCOPED_TRACE("integrator " + std::to_string(integrator) + ", tolerance " + std::to_string(std::log10(tolerance)));
       CompiledModel model(file);

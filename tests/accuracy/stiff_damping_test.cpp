@@ -11,14 +11,14 @@
 namespace tf::test {
 namespace {
 
-constexpr int count = 6;
+constexpr int masses = 6;
 
 struct Links {
   double damping, stiffness;
 };
 
 std::string source(const Links &links) {
-  return "model Row\n  parameter Integer n = " + std::to_string(count) + ";\n  parameter Real d = " + std::to_string(links.damping) +
+  return "model Row\n  parameter Integer n = " + std::to_string(masses) + ";\n  parameter Real d = " + std::to_string(links.damping) +
          ";\n  parameter Real k = " + std::to_string(links.stiffness) + R"(;
   coordinate Real u[n](start = {0.1 + 0.01*i*i for i in 1:n});
   body mass[n](each mass = 1, position = u);
@@ -46,23 +46,23 @@ Eigen::MatrixXd exponential(const Eigen::MatrixXd &matrix, double time) {
 
 // State (u, v, 1) at `end`: from event to event, whose times are found by bisection between samples.
 Eigen::VectorXd reference(const Links &links, double end, int &events) {
-  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * count + 1, 2 * count + 1);
-  system.block(0, count, count, count).setIdentity();
-  for (int i = 0; i + 1 < count; ++i)
-    for (const auto &[column, value] : {std::pair{0, links.stiffness}, std::pair{count, links.damping}}) {
-      system.block<2, 2>(count + i, column + i) += value * (Eigen::Matrix2d() << -1, 1, 1, -1).finished();
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * masses + 1, 2 * masses + 1);
+  system.block(0, masses, masses, masses).setIdentity();
+  for (int i = 0; i + 1 < masses; ++i)
+    for (const auto &[column, value] : {std::pair{0, links.stiffness}, std::pair{masses, links.damping}}) {
+      system.block<2, 2>(masses + i, column + i) += value * (Eigen::Matrix2d() << -1, 1, 1, -1).finished();
     }
-  system.block(count, 2 * count, count, 1).setConstant(-9.81);
-  Eigen::VectorXd state = Eigen::VectorXd::Zero(2 * count + 1);
-  for (int i = 0; i < count; ++i)
+  system.block(masses, 2 * masses, masses, 1).setConstant(-9.81);
+  Eigen::VectorXd state = Eigen::VectorXd::Zero(2 * masses + 1);
+  for (int i = 0; i < masses; ++i)
     state[i] = 0.1 + 0.01 * (i + 1) * (i + 1);
-  state[2 * count] = 1;
+  state[2 * masses] = 1;
   constexpr double sample = 1e-3;
   bool pressed = false;
   double time = 0;
   events = 0;
   while (true) {
-    system(count, 0) = -links.stiffness - (pressed ? 4000 : 0);
+    system(masses, 0) = -links.stiffness - (pressed ? 4000 : 0);
     const auto crosses = [&](const Eigen::VectorXd &at) { return pressed ? at[0] > 0 : at[0] < 0; };
     const Eigen::MatrixXd step = exponential(system, sample);
     Eigen::VectorXd next = step * state;
@@ -96,19 +96,20 @@ double errorOf(const Links &links, double tolerance, tf_integrator integrator, t
   model.tolerance(tolerance).integrator(integrator).run(end);
   const std::vector<double> u = model.valuesOf(TF_KIND_COORDINATE), v = model.valuesOf(TF_KIND_VELOCITY);
   double worst = 0;
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < masses; ++i) {
     worst = std::max(worst, std::abs(u[static_cast<std::size_t>(i)] - expected[i]) / std::max(1.0, std::abs(expected[i])));
-    worst = std::max(worst, std::abs(v[static_cast<std::size_t>(i)] - expected[count + i]) / std::max(1.0, std::abs(expected[count + i])));
+    worst =
+        std::max(worst, std::abs(v[static_cast<std::size_t>(i)] - expected[masses + i]) / std::max(1.0, std::abs(expected[masses + i])));
   }
   statistics = *tf_get_statistics(model.simulation());
   return worst / tolerance;
 }
 
-constexpr double tolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
+constexpr double dampingTolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8};
 
 // Eigenvalues down to −7 500/s, all real: the stabilised method covers most of the time, and CVODE none of it.
 TEST(StiffDamping, IsFollowedByTheStabilisedMethod) {
-  for (const double tolerance : tolerances)
+  for (const double tolerance : dampingTolerances)
     for (const tf_integrator integrator : {TF_AUTO, TF_EXPLICIT}) {
       tf_statistics statistics{};
       EXPECT_LE(errorOf({2000, 0}, tolerance, integrator, statistics), 10) << tolerance;

@@ -10,7 +10,7 @@
 namespace tf::test {
 namespace {
 
-constexpr double tolerances[] = {1e-4, 1e-6, 1e-8, 1e-10};
+constexpr double sensitivityTolerances[] = {1e-4, 1e-6, 1e-8, 1e-10};
 
 // A variable's derivatives at the end by all parameters.
 struct Expected {
@@ -67,7 +67,7 @@ end DampedMass;
 )");
   for (const double damping : {1e4, 2e5})
     for (const double start : {3.0, -10 / damping})
-      for (const double tolerance : tolerances)
+      for (const double tolerance : sensitivityTolerances)
         withEachIntegrator(
             file, tolerance, 1,
             [&](CompiledModel &model) {
@@ -98,7 +98,7 @@ end StiffLag;
   const double w = 2, t = 1.5, s = std::sin(w * t), c = std::cos(w * t);
   for (const double lambda : {1e3, 1e5})
     for (const double start : {2.0, -w / lambda})
-      for (const double tolerance : tolerances)
+      for (const double tolerance : sensitivityTolerances)
         withEachIntegrator(
             file, tolerance, t,
             [&](CompiledModel &model) {

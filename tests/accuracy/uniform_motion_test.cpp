@@ -12,7 +12,7 @@ namespace {
 long long evaluations(const CompiledModel &model) { return tf_get_statistics(model.simulation())->evaluations; }
 
 // A body that is thrown in the plane, with couplings in M, and lands on a slope after a long time.
-std::string thrown() {
+std::string thrownBody() {
   return sourceFile("thrown.tf", R"(
 model Thrown
   coordinate Real s[3](start = {0, 100, 0}, der(start = {30, 200, 3}));
@@ -26,7 +26,7 @@ end Thrown;
 }
 
 TEST(UniformMotion, FlightIsExact) {
-  CompiledModel model(thrown());
+  CompiledModel model(thrownBody());
   ASSERT_EQ(model.model().uniform_flight, 1);
   model.tolerance(1e-4).run(0.5);
   // M a = f by hand, with J = [[1, 1, 0], [0, 1, 2]] of the load.

@@ -1,4 +1,5 @@
 // Coefficients of friction that depend on time and place: they may be zero for a while or for an instant, and begin and end with a switch.
+#include "tests/accuracy/constants.h"
 #include "tests/accuracy/each_integrator.h"
 
 #include <cmath>
@@ -9,8 +10,6 @@
 
 namespace tf::test {
 namespace {
-
-constexpr double pi = std::numbers::pi;
 
 // A block of mass 1 on a floor, gravity 10, with a force F0 + F1 t along it.
 std::string block(const std::string &name, const std::string &friction, bool inSpace = false) {
@@ -31,11 +30,11 @@ void expectSpeed(const std::string &name, const std::string &friction, const Set
   }
 }
 
-const Settings thrown = {{"der(x)", 3}};
+const Settings thrownAtThree = {{"der(x)", 3}};
 
 TEST(VaryingFriction, GrowsFromZero) {
-  expectSpeed("growing", "0.3*time", thrown, 1.5);
-  expectSpeed("growing_slowly", "0.3*time^2", thrown, 2);
+  expectSpeed("growing", "0.3*time", thrownAtThree, 1.5);
+  expectSpeed("growing_slowly", "0.3*time^2", thrownAtThree, 2);
 }
 
 // From x = 1 on an oscillation of ω² = 0.3·10.
@@ -47,16 +46,16 @@ TEST(VaryingFriction, BeginsAtAPlace) {
         EXPECT_NEAR(model["x"], 1 + 3 / omega * std::sin(omega * 2 / 3), 1e-8);
         EXPECT_NEAR(model["der(x)"], 3 * std::cos(omega * 2 / 3), 1e-8);
       },
-      thrown);
+      thrownAtThree);
 }
 
 // dv²/dx = −2 μ g.
 TEST(VaryingFriction, EndsAtAPlace) {
-  expectSpeed("ending", "max(0, 0.3*(1 - x))", thrown, std::sqrt(6.0));
-  expectSpeed("ending_by_if", "if x < 1 then 0.3*(1 - x) else 0", thrown, std::sqrt(6.0));
+  expectSpeed("ending", "max(0, 0.3*(1 - x))", thrownAtThree, std::sqrt(6.0));
+  expectSpeed("ending_by_if", "if x < 1 then 0.3*(1 - x) else 0", thrownAtThree, std::sqrt(6.0));
 }
 
-TEST(VaryingFriction, EndsAtATime) { expectSpeed("ending_in_time", "if time < 0.5 then 0.5 - time else 0", thrown, 1.75); }
+TEST(VaryingFriction, EndsAtATime) { expectSpeed("ending_in_time", "if time < 0.5 then 0.5 - time else 0", thrownAtThree, 1.75); }
 
 // Zero at some places only: ∫ |sin 5x| over three halves of a period is 6/5.
 TEST(VaryingFriction, VanishesForAnInstant) {
@@ -68,14 +67,14 @@ TEST(VaryingFriction, VanishesForAnInstant) {
         ASSERT_LT(phase, pi);
         EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 2 * 3 * (1.2 + (1 - std::cos(phase)) / 5)), 1e-8);
       },
-      thrown);
+      thrownAtThree);
 }
 
 // The coefficient has a square root of the place: its branch cannot be evaluated beyond the place where it ends.
 TEST(VaryingFriction, EndsWithASquareRoot) {
   withEachIntegrator(
       block("root", "0.3*sqrt(max(0, 1 - x))"), 1e-9, 1,
-      [](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 4.0), 1e-7); }, thrown);
+      [](const CompiledModel &model) { EXPECT_NEAR(model["der(x)"], std::sqrt(9 - 4.0), 1e-7); }, thrownAtThree);
 }
 
 TEST(VaryingFriction, HoldsABlockFromZeroOn) {
@@ -151,7 +150,7 @@ end Peak;
 // Without a switch the model is wrong: the run ends where the coefficient passes zero.
 TEST(VaryingFriction, BelowZeroEndsTheRun) {
   for (const tf_integrator integrator : integrators) {
-    CompiledModel model(block("negative", "0.1 + 0.2*sin(3*x)"), thrown);
+    CompiledModel model(block("negative", "0.1 + 0.2*sin(3*x)"), thrownAtThree);
     model.tolerance(1e-9).integrator(integrator);
     try {
       model.run(1);

@@ -10,12 +10,12 @@ namespace {
 using testing::HasSubstr;
 using testing::StartsWith;
 
-const std::string kParticle = TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf";
+const std::string kParticleFile = TF_SOURCE_DIR "/tests/accuracy/contract/particle.tf";
 
 class CompileCommand : public testing::Test {
 protected:
   ProcessResult compile(std::vector<std::string> arguments) {
-    arguments.insert(arguments.begin(), {"compile", kParticle});
+    arguments.insert(arguments.begin(), {"compile", kParticleFile});
     return runTfc(arguments, folder.path());
   }
   TemporaryFolder folder;
@@ -89,10 +89,10 @@ TEST_F(CompileCommand, ParametersOfNominalsAreCompiledIn) {
 }
 
 TEST_F(CompileCommand, RefusesToOverwriteItsSource) {
-  std::filesystem::copy_file(kParticle, folder.path() / "p.tf");
+  std::filesystem::copy_file(kParticleFile, folder.path() / "p.tf");
   const ProcessResult result = runTfc({"compile", "p.tf", "-o", "p.tf"}, folder.path());
   EXPECT_EQ(result.exitCode, 2);
-  EXPECT_EQ(readFile(folder.path() / "p.tf"), readFile(kParticle));
+  EXPECT_EQ(readFile(folder.path() / "p.tf"), readFile(kParticleFile));
 }
 
 TEST_F(CompileCommand, OptimizationLevelsAgreeInTheirResults) {

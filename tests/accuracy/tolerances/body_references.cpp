@@ -10,8 +10,6 @@ namespace tf::test {
 
 namespace {
 
-constexpr Number g = 9.81L;
-const Number kPi = std::acos(Number(-1));
 const std::vector<std::string> kBody = {"r[1]", "r[2]", "phi", "der(r[1])", "der(r[2])", "der(phi)"};
 
 Reference solved(const FloorBody &body, double end, int count) {

@@ -9,8 +9,6 @@ namespace tf::test {
 
 namespace {
 
-constexpr Number g = 9.81L;
-
 template <class System>
 Reference solved(const System &system, const State<2 * System::size> &start, double end, int count, Number step,
                  std::vector<std::string> variables) {

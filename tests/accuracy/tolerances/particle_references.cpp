@@ -8,9 +8,6 @@ namespace tf::test {
 
 namespace {
 
-constexpr Number g = 9.81L;
-const Number kPi = std::acos(Number(-1));
-
 const std::vector<std::string> kPlane = {"q[1]", "q[2]", "der(q[1])", "der(q[2])"};
 
 }  // namespace

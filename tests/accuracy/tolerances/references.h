@@ -3,7 +3,12 @@
 
 #include "tests/accuracy/tolerances/reference.h"
 
+#include <numbers>
+
 namespace tf::test {
+
+inline constexpr Number g = 9.81L;  // m/s2, where an example does not say otherwise
+inline constexpr Number kPi = std::numbers::pi_v<Number>;
 
 [[nodiscard]] Reference particleReference();        // mu = 0.3, g = 10, u[1] = 2, der(q[1]) = 1
 [[nodiscard]] Reference liftedParticleReference();  // mu = 0.6, u = (7, 0 to 1 s, then 2 g (t − 1))

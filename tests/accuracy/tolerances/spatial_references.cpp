@@ -9,8 +9,6 @@ namespace tf::test {
 
 namespace {
 
-constexpr Number g = 9.81L;
-
 using Vector3 = Eigen::Matrix<Number, 3, 1>;
 using Quaternion = Eigen::Quaternion<Number>;
 

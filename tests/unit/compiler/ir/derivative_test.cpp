@@ -26,13 +26,13 @@ double difference(const Graph &g, NodeId node, std::vector<double> states, std::
   return (4 * slope(1e-3) - slope(2e-3)) / 3;
 }
 
-struct Case {
+struct DerivativeCase {
   const char *name;
   Op op;
   std::vector<double> at;
 };
 
-class EveryOperation : public ::testing::TestWithParam<Case> {};
+class EveryOperation : public ::testing::TestWithParam<DerivativeCase> {};
 
 TEST_P(EveryOperation, MatchesFiniteDifferences) {
   const auto &[name, op, at] = GetParam();
@@ -52,18 +52,23 @@ TEST_P(EveryOperation, MatchesFiniteDifferences) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Derivative, EveryOperation,
-                         ::testing::Values(Case{"neg", Op::Neg, {0.7}}, Case{"add", Op::Add, {0.7, 2}}, Case{"sub", Op::Sub, {0.7, 2}},
-                                           Case{"mul", Op::Mul, {0.7, 2}}, Case{"div", Op::Div, {0.7, 2}}, Case{"pow", Op::Pow, {0.7, 2.3}},
-                                           Case{"sqrt", Op::Sqrt, {0.7}}, Case{"exp", Op::Exp, {0.7}}, Case{"log", Op::Log, {0.7}},
-                                           Case{"log10", Op::Log10, {0.7}}, Case{"sin", Op::Sin, {0.7}}, Case{"cos", Op::Cos, {0.7}},
-                                           Case{"tan", Op::Tan, {0.7}}, Case{"asin", Op::Asin, {0.4}}, Case{"acos", Op::Acos, {0.4}},
-                                           Case{"atan", Op::Atan, {0.7}}, Case{"atan2", Op::Atan2, {0.7, -1.1}},
-                                           Case{"sinh", Op::Sinh, {0.7}}, Case{"cosh", Op::Cosh, {0.7}}, Case{"tanh", Op::Tanh, {0.7}},
-                                           Case{"abs", Op::Abs, {-0.7}}, Case{"sign", Op::Sign, {-0.7}}, Case{"min", Op::Min, {0.7, 0.2}},
-                                           Case{"minLeft", Op::Min, {0.1, 0.2}}, Case{"max", Op::Max, {0.7, 0.2}},
-                                           Case{"floor", Op::Floor, {0.7}}, Case{"ceil", Op::Ceil, {0.7}},
-                                           Case{"less", Op::Less, {0.7, 0.2}}, Case{"ifTrue", Op::IfElse, {1, 0.7, 0.2}},
-                                           Case{"ifFalse", Op::IfElse, {0, 0.7, 0.2}}, Case{"select", Op::Select, {0.3, 0.7, 0.2}}),
+                         ::testing::Values(DerivativeCase{"neg", Op::Neg, {0.7}}, DerivativeCase{"add", Op::Add, {0.7, 2}},
+                                           DerivativeCase{"sub", Op::Sub, {0.7, 2}}, DerivativeCase{"mul", Op::Mul, {0.7, 2}},
+                                           DerivativeCase{"div", Op::Div, {0.7, 2}}, DerivativeCase{"pow", Op::Pow, {0.7, 2.3}},
+                                           DerivativeCase{"sqrt", Op::Sqrt, {0.7}}, DerivativeCase{"exp", Op::Exp, {0.7}},
+                                           DerivativeCase{"log", Op::Log, {0.7}}, DerivativeCase{"log10", Op::Log10, {0.7}},
+                                           DerivativeCase{"sin", Op::Sin, {0.7}}, DerivativeCase{"cos", Op::Cos, {0.7}},
+                                           DerivativeCase{"tan", Op::Tan, {0.7}}, DerivativeCase{"asin", Op::Asin, {0.4}},
+                                           DerivativeCase{"acos", Op::Acos, {0.4}}, DerivativeCase{"atan", Op::Atan, {0.7}},
+                                           DerivativeCase{"atan2", Op::Atan2, {0.7, -1.1}}, DerivativeCase{"sinh", Op::Sinh, {0.7}},
+                                           DerivativeCase{"cosh", Op::Cosh, {0.7}}, DerivativeCase{"tanh", Op::Tanh, {0.7}},
+                                           DerivativeCase{"abs", Op::Abs, {-0.7}}, DerivativeCase{"sign", Op::Sign, {-0.7}},
+                                           DerivativeCase{"min", Op::Min, {0.7, 0.2}}, DerivativeCase{"minLeft", Op::Min, {0.1, 0.2}},
+                                           DerivativeCase{"max", Op::Max, {0.7, 0.2}}, DerivativeCase{"floor", Op::Floor, {0.7}},
+                                           DerivativeCase{"ceil", Op::Ceil, {0.7}}, DerivativeCase{"less", Op::Less, {0.7, 0.2}},
+                                           DerivativeCase{"ifTrue", Op::IfElse, {1, 0.7, 0.2}},
+                                           DerivativeCase{"ifFalse", Op::IfElse, {0, 0.7, 0.2}},
+                                           DerivativeCase{"select", Op::Select, {0.3, 0.7, 0.2}}),
                          [](const auto &test) { return std::string(test.param.name); });
 
 TEST(Derivative, IntegerPowersOfNegativeBases) {

@@ -25,12 +25,12 @@ double valueAt(const Graph &g, NodeId node, const std::vector<double> &x, const 
   })[0];
 }
 
-struct Case {
+struct DeviationCase {
   const char *name;
   std::function<NodeId(Graph &, NodeId, NodeId)> make;
 };
 
-class Deviations : public ::testing::TestWithParam<Case> {};
+class Deviations : public ::testing::TestWithParam<DeviationCase> {};
 
 // Arguments are positive and as far from zero as the box is wide, now and then less.
 TEST_P(Deviations, BoundsHoldAllOverTheBox) {
@@ -62,30 +62,32 @@ NodeId constant(Graph &g, double value) { return g.constant(value); }
 INSTANTIATE_TEST_SUITE_P(
     Operations, Deviations,
     ::testing::Values(
-        Case{"sum", [](Graph &g, NodeId x, NodeId y) { return g.sub(g.add(x, constant(g, 2)), g.neg(y)); }},
-        Case{"product", [](Graph &g, NodeId x, NodeId y) { return g.mul(x, y); }},
-        Case{"square", [](Graph &g, NodeId x, NodeId) { return g.mul(x, x); }},
-        Case{"quotient", [](Graph &g, NodeId x, NodeId y) { return g.div(x, y); }},
-        Case{"power", [](Graph &g, NodeId x, NodeId) { return g.binary(Op::Pow, x, constant(g, 2.5)); }},
-        Case{"smallPower", [](Graph &g, NodeId x, NodeId) { return g.binary(Op::Pow, x, constant(g, 0.3)); }},
-        Case{"root", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Sqrt, x); }},
-        Case{"exponential", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Exp, x); }},
-        Case{"logarithm", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Log, x); }},
-        Case{"decimal", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Log10, x); }},
-        Case{"sine", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Sin, g.mul(constant(g, 9), x)); }},
-        Case{"cosine", [](Graph &g, NodeId x, NodeId y) { return g.mul(y, g.unary(Op::Cos, x)); }},
-        Case{"arc", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Atan, x); }},
-        Case{"tanh", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Tanh, x); }},
-        Case{"absolute", [](Graph &g, NodeId x, NodeId y) { return g.unary(Op::Abs, g.sub(x, y)); }},
-        Case{"sign", [](Graph &g, NodeId x, NodeId y) { return g.unary(Op::Sign, g.sub(x, y)); }},
-        Case{"floor", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Floor, x); }},
-        Case{"least", [](Graph &g, NodeId x, NodeId y) { return g.binary(Op::Min, x, y); }},
-        Case{"greatest", [](Graph &g, NodeId x, NodeId y) { return g.binary(Op::Max, x, g.mul(y, y)); }},
-        Case{"choice", [](Graph &g, NodeId x, NodeId y) { return g.ternary(Op::IfElse, g.binary(Op::Less, x, y), g.mul(y, y), x); }},
-        Case{"distance",
-             [](Graph &g, NodeId x,
-                NodeId y) { return g.unary(Op::Sqrt, g.add(g.mul(g.sub(x, constant(g, 5)), g.sub(x, constant(g, 5))), g.mul(y, y))); }}),
-    [](const ::testing::TestParamInfo<Case> &tested) { return std::string(tested.param.name); });
+        DeviationCase{"sum", [](Graph &g, NodeId x, NodeId y) { return g.sub(g.add(x, constant(g, 2)), g.neg(y)); }},
+        DeviationCase{"product", [](Graph &g, NodeId x, NodeId y) { return g.mul(x, y); }},
+        DeviationCase{"square", [](Graph &g, NodeId x, NodeId) { return g.mul(x, x); }},
+        DeviationCase{"quotient", [](Graph &g, NodeId x, NodeId y) { return g.div(x, y); }},
+        DeviationCase{"power", [](Graph &g, NodeId x, NodeId) { return g.binary(Op::Pow, x, constant(g, 2.5)); }},
+        DeviationCase{"smallPower", [](Graph &g, NodeId x, NodeId) { return g.binary(Op::Pow, x, constant(g, 0.3)); }},
+        DeviationCase{"root", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Sqrt, x); }},
+        DeviationCase{"exponential", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Exp, x); }},
+        DeviationCase{"logarithm", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Log, x); }},
+        DeviationCase{"decimal", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Log10, x); }},
+        DeviationCase{"sine", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Sin, g.mul(constant(g, 9), x)); }},
+        DeviationCase{"cosine", [](Graph &g, NodeId x, NodeId y) { return g.mul(y, g.unary(Op::Cos, x)); }},
+        DeviationCase{"arc", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Atan, x); }},
+        DeviationCase{"tanh", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Tanh, x); }},
+        DeviationCase{"absolute", [](Graph &g, NodeId x, NodeId y) { return g.unary(Op::Abs, g.sub(x, y)); }},
+        DeviationCase{"sign", [](Graph &g, NodeId x, NodeId y) { return g.unary(Op::Sign, g.sub(x, y)); }},
+        DeviationCase{"floor", [](Graph &g, NodeId x, NodeId) { return g.unary(Op::Floor, x); }},
+        DeviationCase{"least", [](Graph &g, NodeId x, NodeId y) { return g.binary(Op::Min, x, y); }},
+        DeviationCase{"greatest", [](Graph &g, NodeId x, NodeId y) { return g.binary(Op::Max, x, g.mul(y, y)); }},
+        DeviationCase{"choice",
+                      [](Graph &g, NodeId x, NodeId y) { return g.ternary(Op::IfElse, g.binary(Op::Less, x, y), g.mul(y, y), x); }},
+        DeviationCase{
+            "distance",
+            [](Graph &g, NodeId x,
+               NodeId y) { return g.unary(Op::Sqrt, g.add(g.mul(g.sub(x, constant(g, 5)), g.sub(x, constant(g, 5))), g.mul(y, y))); }}),
+    [](const ::testing::TestParamInfo<DeviationCase> &tested) { return std::string(tested.param.name); });
 
 TEST(Deviation, WhatDoesNotMoveHasNone) {
   Graph g;

@@ -2,6 +2,7 @@
 #include "compiler/ir/sweep.h"
 #include "tests/unit/compiler/ir/run_sweep.h"
 #include "tests/unit/compiler/mechanics/derived_model.h"
+#include "tests/unit/compiler/mechanics/function_index.h"
 
 #include <fmt/format.h>
 
@@ -11,8 +12,6 @@ namespace tf::test {
 namespace {
 
 using enum ir::SymbolKind;
-
-enum FunctionIndex { Dynamics = 4, ContactTerms = 6, DynamicsDerivatives = 11 };
 
 // Relative angles: M, the contacts' rows and all derivatives are full.
 std::string chain(int links) {

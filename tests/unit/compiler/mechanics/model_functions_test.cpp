@@ -1,5 +1,6 @@
 // The functions of a compiled model: their layout, and all derivatives against central differences.
 #include "tests/unit/compiler/mechanics/derived_model.h"
+#include "tests/unit/compiler/mechanics/function_index.h"
 
 #include <cmath>
 
@@ -7,25 +8,6 @@ namespace tf::test {
 namespace {
 
 using enum ir::SymbolKind;
-
-enum FunctionIndex {
-  Bindings,
-  Starts,
-  Kinematics,
-  KinematicsDerivatives,
-  Dynamics,
-  Switching,
-  ContactTerms,
-  ContactParameters,
-  ConstraintTerms,
-  SwitchGradients,
-  StepDerivatives,
-  DynamicsDerivatives,
-  Outputs,
-  Energies,
-  ContactDynamics,
-  GapBounds
-};
 
 // One model with everything: a rod with moving contact, a friction element, states, switches of all kinds, an input.
 constexpr const char *kEverything = R"(

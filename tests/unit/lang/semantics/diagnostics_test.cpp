@@ -39,9 +39,9 @@ TEST_P(DiagnosticPage, showsWhatTheExampleGives) {
   EXPECT_EQ(outcome.instantiation.model.has_value(), !outcome.diagnostics.hasErrors());
 }
 
-std::string nameOf(const ::testing::TestParamInfo<const DiagnosticKind *> &info) { return info.param->name; }
+std::string kindNameOf(const ::testing::TestParamInfo<const DiagnosticKind *> &info) { return info.param->name; }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, DiagnosticPage, ::testing::ValuesIn(semantics::diag::kAll), nameOf);
+INSTANTIATE_TEST_SUITE_P(Kinds, DiagnosticPage, ::testing::ValuesIn(semantics::diag::kAll), kindNameOf);
 
 TEST(Diagnostics, codesAreUniqueAndOrdered) {
   for (std::size_t i = 1; i < std::size(semantics::diag::kAll); ++i)

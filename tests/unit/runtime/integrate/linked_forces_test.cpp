@@ -17,16 +17,16 @@ namespace {
 using test::Chain;
 using test::RowMajor;
 
-constexpr int rods = 40, velocities = rods + 2, nodes = rods + 1;
+constexpr int rods = 40, velocityCount = rods + 2, nodes = rods + 1;
 
-Chain chainAt(const double *q) { return {true, false, std::vector<double>(q + 2, q + velocities)}; }
+Chain chainAt(const double *q) { return {true, false, std::vector<double>(q + 2, q + velocityCount)}; }
 
 // v is no part of it: bias terms are some numbers.
 void dynamics(const double *const *in, double *const *out, const std::uint8_t *) {
   const Chain chain = chainAt(in[TF_IN_Q]);
   const RowMajor M = chain.mass();
   std::copy_n(M.data(), M.size(), out[0]);
-  for (int i = 0; i < velocities; ++i)
+  for (int i = 0; i < velocityCount; ++i)
     out[1][i] = -9.81 * M(1, i) + 3 * M(0, i) + 0.001 * std::sin(i);
 }
 
@@ -34,8 +34,8 @@ void contactTerms(const double *const *in, double *const *out, const std::uint8_
   const Chain chain = chainAt(in[TF_IN_Q]);
   for (int node = 0; node < nodes; ++node) {
     const RowMajor J = chain.jacobian(node);
-    std::copy_n(J.row(1).data(), velocities, out[0] + node * velocities);
-    std::copy_n(J.row(0).data(), velocities, out[2] + node * velocities);
+    std::copy_n(J.row(1).data(), velocityCount, out[0] + node * velocityCount);
+    std::copy_n(J.row(0).data(), velocityCount, out[2] + node * velocityCount);
     out[1][node] = 0.01 * std::cos(node);
     out[3][node] = 0;
     out[4][node] = in[TF_IN_P][0];
@@ -57,7 +57,7 @@ struct Model {
       contacts[node].tangent_count = 1;
       contacts[node].nominal = 1;
     }
-    model.nq = model.nv = velocities;
+    model.nq = model.nv = velocityCount;
     model.np = 1;
     model.nc = model.nt = nodes;
     model.contacts = contacts.data();
@@ -69,7 +69,7 @@ struct Model {
 
 // A chain whose first rods hang above the floor, bent, and whose other ones lie on it.
 struct OnFloor {
-  explicit OnFloor(int lying, double mu) : inputs(0), at(model.model, inputs), parameters{mu}, state(2 * velocities + 1, 0.0) {
+  explicit OnFloor(int lying, double mu) : inputs(0), at(model.model, inputs), parameters{mu}, state(2 * velocityCount + 1, 0.0) {
     EXPECT_TRUE(at.setParameters(parameters.data()));
     at.setSegment(0);
     for (int i = 0; i < rods - lying; ++i)
@@ -92,7 +92,7 @@ struct OnFloor {
     at.contactTerms(mask.data());
     system.gather(at);
     system.respond(at);
-    expected.resize(velocities);
+    expected.resize(velocityCount);
     system.setBias(at, expected.data());
     if (!forces.start(system.problem, mode))
       return false;
@@ -121,7 +121,7 @@ struct OnFloor {
   void expectEvaluated(double shareTolerance = 1e-9, double contradictionTolerance = 1e-5) {
     const std::vector<double> force(forces.forces().begin(), forces.forces().end());
     const std::vector<double> margins(forces.marginValues().begin(), forces.marginValues().end());
-    std::vector<double> acceleration(velocities);
+    std::vector<double> acceleration(velocityCount);
     ASSERT_TRUE(linked.evaluate(at, system.rows, system.problem, acceleration.data(), forces));
     double scale = 0;
     for (const double f : force)
@@ -133,7 +133,7 @@ struct OnFloor {
       EXPECT_NEAR(forces.marginValues()[k], margins[k],
                   (forces.margins()[k].limit.row == ModeMargin::contradiction ? contradictionTolerance : 10 * shareTolerance) * scale)
           << k << " of row " << forces.margins()[k].limit.row;
-    for (int i = 0; i < velocities; ++i)
+    for (int i = 0; i < velocityCount; ++i)
       EXPECT_NEAR(acceleration[i], expected[i], 1e-9 * (1 + std::abs(expected[i]))) << i;
   }
 
@@ -216,11 +216,11 @@ void expectDifference(double angle, double forceError) {
   OnFloor chain(20, 0.9);
   chain.linked.setForceError(forceError);
   chain.expectSame();
-  chain.state[velocities - 1] = angle;
+  chain.state[velocityCount - 1] = angle;
   chain.at.setPoint(0, chain.state.data());
   EXPECT_TRUE(chain.at.dynamics());
   chain.at.contactTerms(chain.mask.data());
-  std::vector<double> acceleration(velocities);
+  std::vector<double> acceleration(velocityCount);
   EXPECT_FALSE(chain.linked.evaluate(chain.at, chain.system.rows, chain.system.problem, acceleration.data(), chain.forces));
 }
 
@@ -236,7 +236,7 @@ TEST(LinkedForces, AreSharedByRowsThatAreNearlyEqual) {
   chain.expectSame();
   for (const double angle : {1e-12, 1e-9, 1e-7, 1e-9, 0.0}) {
     SCOPED_TRACE(angle);
-    chain.state[velocities - 1] = chain.state[velocities - 8] = angle;
+    chain.state[velocityCount - 1] = chain.state[velocityCount - 8] = angle;
     chain.at.setPoint(0, chain.state.data());
     ASSERT_TRUE(chain.evaluateDense());
     chain.expectEvaluated(1e-9 + 10 * angle, 1e-2);
@@ -248,7 +248,7 @@ TEST(LinkedForces, AreSharedByRowsThatAreNearlyEqual) {
 void expectCorrection(OnFloor &chain, int lying, bool all) {
   const RowMajor M = chainAt(chain.state.data()).mass();
   std::vector<std::uint8_t> takesPart(2 * lying, 1);
-  std::vector<double> residual(2 * lying), change(velocities, 0.0);
+  std::vector<double> residual(2 * lying), change(velocityCount, 0.0);
   for (int row = 0; row < 2 * lying; ++row) {
     takesPart[row] = all || row < lying;
     residual[row] = row < lying ? 1e-5 * std::sin(3 * row) : 2e-5;
@@ -256,15 +256,15 @@ void expectCorrection(OnFloor &chain, int lying, bool all) {
   ASSERT_TRUE(chain.linked.correct(chain.at, takesPart, residual.data(), change.data()));
   // Slips of nodes that lie are one.
   const int rows = lying + (all ? 1 : 0);
-  Eigen::MatrixXd J(rows, velocities);
+  Eigen::MatrixXd J(rows, velocityCount);
   Eigen::VectorXd right(rows);
   for (int row = 0; row < rows; ++row) {
-    J.row(row) = Eigen::Map<const Eigen::RowVectorXd>(chain.system.rows.jacobian(row), velocities);
+    J.row(row) = Eigen::Map<const Eigen::RowVectorXd>(chain.system.rows.jacobian(row), velocityCount);
     right[row] = residual[row];
   }
   const Eigen::MatrixXd response = M.ldlt().solve(J.transpose().eval());
   const Eigen::VectorXd expected = response * (J * response).ldlt().solve(right);
-  for (int i = 0; i < velocities; ++i)
+  for (int i = 0; i < velocityCount; ++i)
     EXPECT_NEAR(change[i], expected[i], 1e-9 * expected.lpNorm<Eigen::Infinity>()) << i;
 }
 
@@ -303,15 +303,15 @@ TEST(LinkedForces, DoNotCorrectDependentRows) {
   OnFloor chain(lying, 0.9);
   chain.linked.setForceError(1e-5);
   chain.expectSame();
-  chain.state[velocities - 1] = 1e-8;
+  chain.state[velocityCount - 1] = 1e-8;
   chain.at.setPoint(0, chain.state.data());
   EXPECT_TRUE(chain.at.dynamics());
   chain.at.contactTerms(chain.mask.data());
-  std::vector<double> acceleration(velocities), change(velocities, 0.0);
+  std::vector<double> acceleration(velocityCount), change(velocityCount, 0.0);
   EXPECT_TRUE(chain.linked.evaluate(chain.at, chain.system.rows, chain.system.problem, acceleration.data(), chain.forces));
   const std::vector<double> residual(2 * lying, 1e-6);
   EXPECT_FALSE(chain.linked.correct(chain.at, std::vector<std::uint8_t>(2 * lying, 1), residual.data(), change.data()));
-  EXPECT_EQ(change, std::vector<double>(velocities, 0.0));
+  EXPECT_EQ(change, std::vector<double>(velocityCount, 0.0));
 }
 
 // A small system is left to the dense equations, whose loops are simple.

@@ -6,7 +6,8 @@
 namespace tf::runtime {
 namespace {
 
-constexpr auto takeStep = []<class State, class Rate>(const Rock2Tableau &t, double begin, State y, double h, const Rate &f, State *error) {
+constexpr auto takeRock2Step = []<class State, class Rate>(const Rock2Tableau &t, double begin, State y, double h, const Rate &f,
+                                                           State *error) {
   State input;
   const State last = test::takeRecurrence(t, begin, y, h, f, input);
   const State first = f(begin + h * t.lastNode[0], last);
@@ -20,7 +21,8 @@ TEST(Rock2Tableaus, HaveOrderTwoAndEstimateTheErrorOfThatOrder) {
   for (const Rock2Tableau &t : rock2Tableaus()) {
     SCOPED_TRACE(std::to_string(t.stages) + " stages");
     double wide = 0, narrow = 0;
-    const double error = test::convergenceError(t, takeStep, 32, &wide), smaller = test::convergenceError(t, takeStep, 64, &narrow);
+    const double error = test::convergenceError(t, takeRock2Step, 32, &wide),
+                 smaller = test::convergenceError(t, takeRock2Step, 64, &narrow);
     EXPECT_NEAR(std::log2(error / smaller), 2, 0.15);
     EXPECT_NEAR(std::log2(wide / narrow), 2, 0.15);
     EXPECT_GE(narrow, 0.3 * smaller);
@@ -31,10 +33,10 @@ TEST(Rock2Tableaus, HaveOrderTwoAndEstimateTheErrorOfThatOrder) {
 TEST(Rock2Tableaus, AreStableOnALongRealInterval) {
   for (const Rock2Tableau &t : rock2Tableaus())
     EXPECT_GE(t.border, 0.68 * t.stages * t.stages) << t.stages << " stages";
-  test::expectStability(rock2Tableaus(), takeStep, 2.5);
+  test::expectStability(rock2Tableaus(), takeRock2Step, 2.5);
 }
 
-TEST(Rock2Tableaus, AreStableInside) { test::expectSmallStages(rock2Tableaus(), takeStep); }
+TEST(Rock2Tableaus, AreStableInside) { test::expectSmallStages(rock2Tableaus(), takeRock2Step); }
 
 // The estimate does not miss the error of an eigenvalue, nor does it exceed it by far near zero; far from it it is bounded.
 TEST(Rock2Tableaus, EstimateTheirError) {
@@ -43,7 +45,7 @@ TEST(Rock2Tableaus, EstimateTheirError) {
       if (-x > 0.9 * t.border)
         continue;
       double estimate = 0;
-      const double error = std::abs(test::amplification(t, takeStep, x, &estimate) - std::exp(x));
+      const double error = std::abs(test::amplification(t, takeRock2Step, x, &estimate) - std::exp(x));
       EXPECT_GE(std::abs(estimate), 0.3 * error) << t.stages << " stages, " << x;
       EXPECT_LE(std::abs(estimate), x >= -2 ? 4 * error : 13) << t.stages << " stages, " << x;
     }

@@ -9,7 +9,8 @@
 namespace tf::runtime {
 namespace {
 
-constexpr auto takeStep = []<class State, class Rate>(const Rock4Tableau &t, double begin, State y, double h, const Rate &f, State *error) {
+constexpr auto takeRock4Step = []<class State, class Rate>(const Rock4Tableau &t, double begin, State y, double h, const Rate &f,
+                                                           State *error) {
   State input;
   const State last = test::takeRecurrence(t, begin, y, h, f, input);
   std::array<State, Rock4Tableau::lastStages> rates;
@@ -30,7 +31,8 @@ constexpr auto takeStep = []<class State, class Rate>(const Rock4Tableau &t, dou
 TEST(Rock4Tableaus, HaveOrderFour) {
   for (const Rock4Tableau &t : rock4Tableaus()) {
     double estimated = 0;
-    const double wide = test::convergenceError(t, takeStep, 32, &estimated), narrow = test::convergenceError(t, takeStep, 64, &estimated);
+    const double wide = test::convergenceError(t, takeRock4Step, 32, &estimated),
+                 narrow = test::convergenceError(t, takeRock4Step, 64, &estimated);
     EXPECT_NEAR(std::log2(wide / narrow), 4, 0.25) << t.stages << " stages";
   }
 }
@@ -43,10 +45,10 @@ TEST(Rock4Tableaus, AreStableOnALongRealInterval) {
       EXPECT_NEAR(t.border, 0.35 * t.stages * t.stages, 0.006 * t.stages * t.stages);
     }
   }
-  test::expectStability(rock4Tableaus(), takeStep, 4);
+  test::expectStability(rock4Tableaus(), takeRock4Step, 4);
 }
 
-TEST(Rock4Tableaus, AreStableInside) { test::expectSmallStages(rock4Tableaus(), takeStep); }
+TEST(Rock4Tableaus, AreStableInside) { test::expectSmallStages(rock4Tableaus(), takeRock4Step); }
 
 // The estimate neither misses the error of an eigenvalue nor exceeds it by far, near zero and far from it.
 TEST(Rock4Tableaus, EstimateTheirError) {
@@ -55,7 +57,7 @@ TEST(Rock4Tableaus, EstimateTheirError) {
       if (-x > 0.9 * t.border)
         continue;
       double estimate = 0;
-      const double error = std::abs(test::amplification(t, takeStep, x, &estimate) - std::exp(x));
+      const double error = std::abs(test::amplification(t, takeRock4Step, x, &estimate) - std::exp(x));
       EXPECT_GE(std::abs(estimate), 0.3 * error) << t.stages << " stages, " << x;
       EXPECT_LE(std::abs(estimate), 8 * error + 1e-3) << t.stages << " stages, " << x;
     }

@@ -12,7 +12,7 @@ namespace tf::runtime {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 double parameter(const ModelInstance &instance, std::string_view name) {
   const auto found = instance.find(name);
@@ -119,9 +119,9 @@ TEST(ModelInstance, RefusesBadValues) {
   EXPECT_EQ(setError(instance, "mu", -0.1), "'mu' = -0.1 is below its minimum 0");
   EXPECT_EQ(setError(instance, "e", 1.5), "'e' = 1.5 is above its maximum 1");
   EXPECT_EQ(setError(instance, "m", std::nan("")), "'m' cannot be set to NaN");
-  EXPECT_EQ(setError(instance, "q[1]", infinity), "'q[1]' cannot be infinite");
-  EXPECT_EQ(setError(instance, "u[1]", -infinity), "'u[1]' cannot be infinite");
-  EXPECT_EQ(setError(instance, "m", infinity), "");
+  EXPECT_EQ(setError(instance, "q[1]", unbounded), "'q[1]' cannot be infinite");
+  EXPECT_EQ(setError(instance, "u[1]", -unbounded), "'u[1]' cannot be infinite");
+  EXPECT_EQ(setError(instance, "m", unbounded), "");
   EXPECT_EQ(setError(Flagged("m", TF_SETTABLE | TF_BOOLEAN), "m", 2), "'m' is Boolean: its value is 0 (false) or 1 (true), not 2");
   EXPECT_EQ(setError(Flagged("m", TF_SETTABLE | TF_BOOLEAN), "m", 0), "");
   EXPECT_EQ(setError(Flagged("m", TF_SETTABLE | TF_INTEGER), "m", 2.5), "'m' is an Integer and cannot be 2.5");
