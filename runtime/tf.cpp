@@ -16,6 +16,7 @@
 #include <new>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 using tf::runtime::InputFunction;
@@ -53,7 +54,8 @@ struct Content {
   void *eventData = nullptr;
   tf_note_callback noteCallback = nullptr;
   void *noteData = nullptr;
-  bool inEvent = false;  // the event callback is running
+  bool inEvent = false;       // the event callback is running
+  std::exception_ptr thrown;  // by a callback; the call that it belongs to ends with it
   Phase phase = Phase::Setup;
   std::vector<double> values;  // all variables at the current point
   bool valuesAreCurrent = false;
@@ -91,7 +93,10 @@ template <class Body> tf_status guarded(const tf_simulation *simulation, const B
   try {
     if (simulation->content == nullptr)
       return bad(simulation, "no model was loaded");
-    return body(*simulation->content);
+    const tf_status status = body(*simulation->content);
+    if (simulation->content->thrown)
+      std::rethrow_exception(std::exchange(simulation->content->thrown, nullptr));
+    return status;
   } catch (const std::bad_alloc &) {
     simulation->lastResort = "out of memory";
   } catch (const std::exception &exception) {
@@ -104,6 +109,19 @@ template <class Body> tf_status guarded(const tf_simulation *simulation, const B
     simulation->lastResort = "a callback threw an exception";
   }
   return TF_FAILED;
+}
+
+// What a callback gives, or `otherwise` where it has thrown: its exception is kept until the simulation is at the end of a step, from which
+// it can go on. No more callbacks are called until then.
+template <class Call, class Value> Value keepingExceptions(Content &content, const Call &call, Value otherwise) {
+  if (content.thrown)
+    return otherwise;
+  try {
+    return call();
+  } catch (...) {
+    content.thrown = std::current_exception();
+    return otherwise;
+  }
 }
 
 // Settings that a run reads at its start: a run that goes on with others would be neither the old nor the new one, so it ends here.
@@ -184,6 +202,16 @@ template <class Body> tf_status run(const tf_simulation *simulation, Content &co
   return status;
 }
 
+// A run ends where a callback has thrown that gives nothing.
+template <class Call> void callOrStop(Content &content, const Call &call) {
+  const auto called = [&call] {
+    call();
+    return true;
+  };
+  if (!keepingExceptions(content, called, false))
+    content.simulation->stop();
+}
+
 // Without a callback the simulation does not collect values for one.
 void connectEvents(Content &content) {
   if (content.simulation == nullptr)
@@ -193,7 +221,7 @@ void connectEvents(Content &content) {
   if (content.noteCallback != nullptr)
     content.simulation->onNote = [&content](const tf_note &note) {
       content.valuesAreCurrent = false;
-      content.noteCallback(content.noteData, &note);
+      callOrStop(content, [&] { content.noteCallback(content.noteData, &note); });
     };
   if (content.eventCallback == nullptr)
     return;
@@ -208,7 +236,7 @@ void connectEvents(Content &content) {
       content.reportedPoints = points;
       content.valuesAreCurrent = false;
     }
-    content.eventCallback(content.eventData, &event);
+    callOrStop(content, [&] { content.eventCallback(content.eventData, &event); });
   };
 }
 
@@ -341,9 +369,13 @@ tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_
     if (value == nullptr)
       return bad(simulation, fmt::format("the callback for '{}' is missing", name));
     InputFunction function;
-    function.value = [value, data, sign = input.sign](double time, double segment) { return sign * value(data, time, segment); };
+    function.value = [&content, value, data, sign = input.sign](double time, double segment) {
+      return keepingExceptions(content, [&] { return sign * value(data, time, segment); }, notAValue);
+    };
     if (next_breakpoint != nullptr)
-      function.nextBreakpoint = [next_breakpoint, data](double time) { return next_breakpoint(data, time); };
+      function.nextBreakpoint = [&content, next_breakpoint, data](double time) {
+        return keepingExceptions(content, [&] { return next_breakpoint(data, time); }, std::numeric_limits<double>::infinity());
+      };
     content.inputs.setFunction(content.instance.model().variables[input.variable].index, std::move(function));
     content.valuesAreCurrent = false;
     return TF_OK;
@@ -486,7 +518,7 @@ tf_status tf_run(tf_simulation *simulation, double end, double first_sample, tf_
     std::string refused;
     content.simulation->onSample = [&](double time) {
       content.valuesAreCurrent = false;
-      const double next = callback(data, time);
+      const double next = keepingExceptions(content, [&] { return callback(data, time); }, notAValue);
       if (!(next <= time))
         return next;
       refused = fmt::format("cannot take a sample at time {} after that at {}", next, time);

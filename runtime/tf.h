@@ -3,6 +3,9 @@
  * Every function that can fail returns a tf_status; tf_error_text(simulation) says what went wrong in the latest call that failed, in terms
  * of the model. Indices of values are those of tf_find. Units are the model's. A simulation is not shared between threads; different
  * simulations are independent.
+ *
+ * An exception that a callback throws ends the call that it was called from, with TF_FAILED and the exception's text: a run behind the step
+ * of the callback, from where it can go on; one of an input at the last good point.
  */
 #ifndef TF_H
 #define TF_H

@@ -33,6 +33,7 @@ tf_status Simulation::Implementation::fail(std::string text) {
 tf_status Simulation::Implementation::failAt(std::string_view text) { return fail(fmt::format("{} at t = {:.10g}", text, time_)); }
 
 tf_status Simulation::Implementation::failSensitivities(std::string_view where) {
+  areSensitivitiesLost_ = true;
   return failAt(fmt::format("the sensitivities cannot be continued over {}", where));
 }
 
@@ -196,7 +197,7 @@ tf_status Simulation::Implementation::takeStarts() {
 
 tf_status Simulation::Implementation::solveStart() {
   sensitivities_.reset();
-  isShareLost_ = false;
+  isShareLost_ = areSensitivitiesLost_ = false;
   if (!owner_.options.sensitivities.empty()) {
     if (std::string text = failures_.relaxedSensitivities(); !text.empty())
       return fail(std::move(text));
@@ -384,6 +385,9 @@ tf_status Simulation::Implementation::advanceTo(double time, double firstSample)
   if (!modeValid_)
     return fail("the simulation has not been initialised");
   nextSample_ = firstSample;
+  if (!error_.empty())
+    if (const tf_status status = goOn(); status != TF_OK)
+      return status;
   if (inputs_.revision() != inputRevision_) {
     if (const tf_status status = timeEvent(); status != TF_OK)
       return status;
@@ -548,6 +552,8 @@ tf_status Simulation::initialise(double startTime) { return implementation_->ini
 tf_status Simulation::advanceTo(double time) { return advanceTo(time, std::numeric_limits<double>::infinity()); }
 
 tf_status Simulation::advanceTo(double time, double firstSample) { return implementation_->advanceTo(time, firstSample); }
+
+void Simulation::stop() { implementation_->nextSample_ = std::numeric_limits<double>::quiet_NaN(); }
 
 double Simulation::time() const { return implementation_->time_; }
 

@@ -47,6 +47,9 @@ public:
   // sample this comes after it.
   tf_status advanceTo(double time, double firstSample);
 
+  // From onEvent and onNote: advanceTo ends behind its step with TF_TERMINATED, but where it is at its time.
+  void stop();
+
   [[nodiscard]] double time() const;
   [[nodiscard]] double tau() const;
   // model->variable_count values in the order of the table of variables.

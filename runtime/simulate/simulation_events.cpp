@@ -157,6 +157,21 @@ tf_status Simulation::Implementation::timeEvent() {
   return TF_OK;
 }
 
+// From the last good point after a failure, with other inputs, say. The failure may have been that of an event at this point.
+tf_status Simulation::Implementation::goOn() {
+  if (areSensitivitiesLost_)
+    return TF_FAILED;
+  error_.clear();
+  beginEvent();
+  std::vector<Transition> &transitions = beginTransitions();
+  EventHint hint;
+  hint.keepsOpen = true;
+  if (const tf_status status = settle(transitions, hint); status != TF_OK)
+    return status;
+  report(transitions);
+  return TF_OK;
+}
+
 tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) {
   constexpr double nearby = 1e-12, ulps = 8;  // behind an event, in time: of some times the time scale, and of what times are resolved to
   if (!progress_.add(time_))

@@ -76,6 +76,7 @@ public:
   Invariants invariants_;
   std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
   bool isShareLost_ = false;                      // theirs, unless nothing can move within what the tolerance leaves open
+  bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
   Redundancy redundancy_;
   // workspaces
   std::vector<Transition> transitions_;
@@ -157,6 +158,7 @@ private:
   int jamAt(int guard);
   tf_status jam(int contact);
   tf_status timeEvent();
+  tf_status goOn();
 
   // simulation_impacts.cpp
   [[nodiscard]] double velocityScale(const std::vector<int> &contacts) const;

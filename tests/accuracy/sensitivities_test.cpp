@@ -627,6 +627,10 @@ TEST(Sensitivities, OfAnImpactWithAKinkAreRefused) {
     EXPECT_NE(std::string(error.what()).find("for larger and for smaller values of a parameter differ at t = 0.0700911"), std::string::npos)
         << error.what();
   }
+  // They are not known afterwards: the run does not go on without them.
+  const std::string text = tf_error_text(model.simulation());
+  EXPECT_EQ(tf_step(model.simulation(), 0.1), TF_FAILED);
+  EXPECT_EQ(tf_error_text(model.simulation()), text);
   CompiledModel other(fileOf(kLanding), {{"e", 0.2}});
   differentiateBy(other, {"J"});
   other.tolerance(1e-10).run(0.08);

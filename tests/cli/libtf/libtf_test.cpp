@@ -10,6 +10,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace tf::runtime {
@@ -436,6 +437,77 @@ TEST(LibTf, ExceptionsOfCallbacksBecomeErrors) {
   ASSERT_EQ(tf_set_input_callback(particle.get(), "u[1]", value, nullptr, nullptr), TF_OK);
   EXPECT_EQ(tf_initialise(particle.get(), 0), TF_FAILED);
   EXPECT_EQ(text(particle), "no value today");
+}
+
+// Throws at its first call once it is armed; a run goes on from where that has ended it as if nothing had been.
+struct ThrowsOnce {
+  bool isArmed = false;
+
+  void call() {
+    if (std::exchange(isArmed, false))
+      throw std::runtime_error("not now");
+  }
+  static double sample(void *data, double time) {
+    static_cast<ThrowsOnce *>(data)->call();
+    return time + 0.01;
+  }
+  static void event(void *data, const tf_event *) { static_cast<ThrowsOnce *>(data)->call(); }
+  static double input(void *data, double, double) {
+    static_cast<ThrowsOnce *>(data)->call();
+    return 0;
+  }
+};
+
+// The particle falls on the floor at 0.45.
+class LibTfThrow : public testing::Test {
+protected:
+  void SetUp() override { ASSERT_EQ(tf_set_tolerance(particle.get(), 1e-9), TF_OK); }
+
+  void initialise() {
+    ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+    once.isArmed = true;
+  }
+
+  void expectToGoOn(tf_status status, double earliest, double latest) {
+    EXPECT_EQ(status, TF_FAILED);
+    EXPECT_EQ(text(particle), "not now");
+    EXPECT_FALSE(once.isArmed);
+    EXPECT_GE(tf_time(particle.get()), earliest);
+    EXPECT_LE(tf_time(particle.get()), latest);
+    ASSERT_EQ(tf_step(particle.get(), 1), TF_OK) << text(particle);
+    EXPECT_NEAR(named(particle, "q[2]"), 0, 1e-10);
+    EXPECT_NEAR(named(particle, "q[1]"), undisturbed(), 1e-9);
+    EXPECT_EQ(tf_get_statistics(particle.get())->events[TF_EVENT_IMPACT], 1);
+  }
+
+  static double undisturbed() {
+    const Owned other = create(test::particleModel());
+    EXPECT_EQ(tf_set_tolerance(other.get(), 1e-9), TF_OK);
+    EXPECT_EQ(tf_initialise(other.get(), 0), TF_OK);
+    EXPECT_EQ(tf_step(other.get(), 1), TF_OK);
+    return named(other, "q[1]");
+  }
+
+  ThrowsOnce once;
+  Owned particle = create(test::particleModel());
+};
+
+TEST_F(LibTfThrow, InASampleEndsTheRunBehindItsStep) {
+  initialise();
+  expectToGoOn(tf_run(particle.get(), 1, 0.105, ThrowsOnce::sample, &once), 0.105, 0.5);
+}
+
+TEST_F(LibTfThrow, InAnEventEndsTheRunBehindIt) {
+  ASSERT_EQ(tf_set_event_callback(particle.get(), ThrowsOnce::event, &once), TF_OK);
+  initialise();
+  const double impact = std::sqrt(2 / 9.81);
+  expectToGoOn(tf_step(particle.get(), 1), impact - 1e-9, impact + 1e-9);
+}
+
+TEST_F(LibTfThrow, InAnInputEndsTheRunAtTheLastGoodPoint) {
+  ASSERT_EQ(tf_set_input_callback(particle.get(), "u[1]", ThrowsOnce::input, nullptr, &once), TF_OK);
+  initialise();
+  expectToGoOn(tf_step(particle.get(), 1), 0, 0.5);
 }
 
 TEST(LibTf, DifferentSimulationsOfAModelAreIndependent) {
