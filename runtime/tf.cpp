@@ -15,6 +15,7 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -373,8 +374,14 @@ tf_status tf_set_input_callback(tf_simulation *simulation, const char *name, tf_
       return keepingExceptions(content, [&] { return sign * value(data, time, segment); }, notAValue);
     };
     if (next_breakpoint != nullptr)
-      function.nextBreakpoint = [&content, next_breakpoint, data](double time) {
-        return keepingExceptions(content, [&] { return next_breakpoint(data, time); }, std::numeric_limits<double>::infinity());
+      function.nextBreakpoint = [&content, next_breakpoint, data, own = std::string(name)](double time) {
+        const auto breakpoint = [&] {
+          const double next = next_breakpoint(data, time);
+          if (!(next > time))
+            throw std::invalid_argument(fmt::format("the breakpoint of '{}' after time {} cannot be at {}", own, time, next));
+          return next;
+        };
+        return keepingExceptions(content, breakpoint, std::numeric_limits<double>::infinity());
       };
     content.inputs.setFunction(content.instance.model().variables[input.variable].index, std::move(function));
     content.valuesAreCurrent = false;
@@ -428,6 +435,8 @@ tf_status tf_set_sensitivities(tf_simulation *simulation, const char *const *nam
     TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
     std::vector<std::int32_t> columns;
     for (size_t k = 0; k < count; ++k) {
+      if (names == nullptr || names[k] == nullptr)
+        return bad(simulation, "a name is missing");
       const auto found = content.instance.find(names[k]);
       if (!found)
         return bad(simulation, content.instance.unknownName(names[k]));
@@ -449,6 +458,8 @@ tf_status tf_get_sensitivity(tf_simulation *simulation, size_t column, double *v
     TF_RETURN_UNLESS_OK(requirePoint(simulation, content));
     if (column >= content.options.sensitivities.size())
       return bad(simulation, fmt::format("there are {} sensitivities, not {}", content.options.sensitivities.size(), column + 1));
+    if (values == nullptr)
+      return bad(simulation, "the array for the values is missing");
     if (!content.simulation->sensitivity(static_cast<int>(column), values))
       return bad(simulation, "the sensitivities cannot be evaluated here");
     return TF_OK;
@@ -461,6 +472,8 @@ tf_status tf_get_sensitivity_before(tf_simulation *simulation, size_t column, do
       return bad(simulation, "values before an event exist in the event callback only");
     if (column >= content.options.sensitivities.size())
       return bad(simulation, fmt::format("there are {} sensitivities, not {}", content.options.sensitivities.size(), column + 1));
+    if (values == nullptr)
+      return bad(simulation, "the array for the values is missing");
     content.simulation->sensitivityBeforeEvent(static_cast<int>(column), values);
     return TF_OK;
   });

@@ -102,8 +102,8 @@ const tf_model *tf_get_model(const tf_simulation *simulation);
 /* Variable's number by name or alias, -1 if there is none. */
 int32_t tf_find(const tf_simulation *simulation, const char *name);
 
-/* Before tf_initialise: parameters, starts of coordinates, velocities and states; set later they (and tolerance, integrator, step options)
- * end the run, which then begins anew with tf_initialise. Also inputs, held constant, at any time. */
+/* Before tf_initialise: parameters, starts of coordinates, velocities and states; set later they (and tolerance, integrator, step options,
+ * energy balance, sensitivities) end the run, which then begins anew with tf_initialise. Also inputs, held constant, at any time. */
 tf_status tf_set(tf_simulation *simulation, const char *name, double value);
 /* An input's table: count points (times nondecreasing); zero-order hold or linear interpolation; the last value is held. Copied. */
 tf_status tf_set_input_table(tf_simulation *simulation, const char *name, const double *times, const double *values, size_t count,

@@ -21,8 +21,11 @@ std::string sizes(const HybridSystem &system) {
                      counted(system.switches.size(), "switch", "switches"));
 }
 
-void checkModel(const flat::FlatModel &model, Session &session) {
-  if (const auto system = derive(model, session.sources, session.diagnostics); system && !session.diagnostics.hasErrors())
+void checkModel(const flat::FlatModel &model, const std::vector<Setting> &settings, Session &session) {
+  const auto system = derive(model, session.sources, session.diagnostics);
+  if (system)
+    checkStructuralValues(*system, settings, session);
+  if (system && !session.diagnostics.hasErrors())
     printOut(sizes(*system), session);
 }
 
@@ -41,13 +44,13 @@ int checkCommand(const CheckOptions &options, Session &session) {
   InstantiateOptions front{options.model, libraryFolders(options), structuralOverrides(settings)};
   const Instantiation first = instantiate(session.sources, options.files, front, session.diagnostics);
   if (first.model)
-    checkModel(*first.model, session);
+    checkModel(*first.model, settings, session);
   else if (!session.diagnostics.hasErrors()) {
     for (const std::string &candidate : first.candidates) {
       front.model = candidate;
       const Instantiation instantiation = instantiate(session.sources, options.files, front, session.diagnostics);
       if (instantiation.model)
-        checkModel(*instantiation.model, session);
+        checkModel(*instantiation.model, settings, session);
     }
   }
   return session.exitCode();

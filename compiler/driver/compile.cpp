@@ -128,6 +128,7 @@ int compileCommand(const CompileOptions &options, Session &session) {
       text = print(*instantiation.model);
     } else if (auto system = derive(*instantiation.model, session.sources, session.diagnostics);
                system && !session.diagnostics.hasErrors()) {
+      checkStructuralValues(*system, settings, session);
       text = form(*system, options, session);
     }
   }

@@ -74,6 +74,21 @@ public:
     return value;
   }
 
+  std::optional<double> fraction(const char *option, const Values &values) {
+    const auto value = number(option, values);
+    if (value && !(*value > 0 && *value < 1))
+      diagnostics_.report(diag::OutOfRange, {}, option, "a number between 0 and 1", values.front());
+    return value;
+  }
+
+  // The name of a file or a model; empty if it was not given.
+  std::string name(const char *option, const Values &values) {
+    const auto text = single(option, values);
+    if (text && text->empty())
+      diagnostics_.report(diag::MissingValue, {}, option);
+    return text.value_or("");
+  }
+
   std::optional<int> integer(const char *option, const Values &values, int least, int most) {
     const auto value = number(option, values);
     if (value && (*value < least || *value > most || *value != std::floor(*value)))
@@ -122,7 +137,7 @@ public:
 
   void finish(ModelOptions &options, Reader &reader, Diagnostics &diagnostics) const {
     options.files = files;
-    options.model = reader.single("--model", model).value_or("");
+    options.model = reader.name("--model", model);
     options.libraries = libraries;
     options.settings = settings;
     if (files.empty())
@@ -145,7 +160,7 @@ struct CompileSyntax : Syntax {
 
   void finish(CompileOptions &options, Reader &reader, Diagnostics &diagnostics) const {
     Syntax::finish(options, reader, diagnostics);
-    options.output = reader.single("-o", output).value_or("");
+    options.output = reader.name("-o", output);
     options.emit = reader.choice("--emit", emit, kEmit, Emit::Shared);
     options.optimization = reader.integer("-O", optimization, 0, 3).value_or(2);
   }
@@ -184,18 +199,18 @@ struct RunSyntax : Syntax {
 
   void finish(RunOptions &options, Reader &reader, Diagnostics &diagnostics) const {
     Syntax::finish(options, reader, diagnostics);
-    options.inputTable = reader.single("--input", input).value_or("");
+    options.inputTable = reader.name("--input", input);
     options.linearInput = reader.choice("--input-interpolation", interpolation, kInterpolations, false);
     options.startTime = reader.number("--start-time", startTime);
     options.stopTime = reader.number("--stop-time", stopTime);
-    options.tolerance = reader.positive("--tolerance", tolerance);
+    options.tolerance = reader.fraction("--tolerance", tolerance);
     options.interval = reader.positive("--interval", interval);
     options.integrator = reader.choice("--integrator", integrator, kIntegrators, TF_AUTO);
     options.stages = reader.integer("--stages", stages, 1, 4).value_or(0);
     options.fixedStep = reader.positive("--fixed-step", fixedStep).value_or(0);
     options.events = reader.choice("--events", events, kEventRows, EventRows::Both);
-    options.output = reader.single("-o", output).value_or("");
-    options.eventLog = reader.single("--event-log", eventLog).value_or("");
+    options.output = reader.name("-o", output);
+    options.eventLog = reader.name("--event-log", eventLog);
     options.quiet = quiet;
     options.verbose = verbose;
     options.noCache = noCache;
@@ -223,6 +238,9 @@ private:
     for (const auto &[output, option] : {std::pair(options.output, "with -o"), std::pair(options.eventLog, "with --event-log")}) {
       if (isSameFile(output, options.inputTable))
         diagnostics.report(diag::SameFileTwice, {}, output, "with --input", option);
+      for (const std::string &file : options.files)
+        if (isSameFile(output, file))
+          diagnostics.report(diag::SameFileTwice, {}, output, "as the model", option);
     }
   }
 };
@@ -241,6 +259,8 @@ void reportUnknownOptions(const CLI::App &app, Diagnostics &diagnostics) {
       known.push_back("-" + name);
   }
   for (const std::string &word : app.remaining()) {
+    if (word == "--")  // files follow
+      continue;
     const std::string name = word.substr(0, word.find('='));
     diagnostics.report(diag::UnknownOption, {}, name, app.get_name()).suggest(name, known);
   }
@@ -250,7 +270,17 @@ void reportUnknownOptions(const CLI::App &app, Diagnostics &diagnostics) {
 void reportValueCount(const CLI::Error &error, Diagnostics &diagnostics) {
   const std::string text = error.what();
   const bool isFlag = text.find("flag override") != std::string::npos;
-  diagnostics.report(isFlag ? diag::SuperfluousValue : diag::MissingValue, {}, text.substr(0, text.find_first_of(": ")));
+  const std::string name = text.substr(0, text.find_first_of(": "));
+  diagnostics.report(isFlag ? diag::SuperfluousValue : diag::MissingValue, {}, name.starts_with('-') ? name : "--" + name);
+}
+
+// Empty words are taken for no value, or for a name that nobody meant.
+void reportEmptyValues(int argc, const char *const *argv, Diagnostics &diagnostics) {
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view before = argv[i - 1];
+    if (argv[i][0] == '\0' && before.starts_with('-') && before != "-" && before != "--")
+      diagnostics.report(diag::MissingValue, {}, before);
+  }
 }
 
 void reportUnknownCommand(const CLI::App &app, Diagnostics &diagnostics) {
@@ -276,6 +306,9 @@ std::optional<CommandLine> parseCommandLine(int argc, const char *const *argv, D
   const CompileSyntax compile(app);
   const RunSyntax run(app);
 
+  reportEmptyValues(argc, argv, diagnostics);
+  if (diagnostics.hasErrors())
+    return std::nullopt;
   CommandLine result;
   try {
     app.parse(argc, argv);

@@ -100,6 +100,9 @@ std::optional<PreparedModel> prepareModel(const RunOptions &options, const std::
   auto system = derive(*instantiation.model, session.sources, session.diagnostics);
   if (!system || session.diagnostics.hasErrors())
     return std::nullopt;
+  checkStructuralValues(*system, settings, session);
+  if (session.diagnostics.hasErrors())
+    return std::nullopt;
   prepared.origin = "compiled";
   if (!generate(*system, request, structuralNames(*instantiation.model), options.noCache ? nullptr : &cache, prepared, session))
     return std::nullopt;

@@ -1,5 +1,6 @@
 #include "compiler/driver/source_model.h"
 #include "compiler/driver/diagnostics.h"
+#include "runtime/model/model_instance.h"
 
 #include <algorithm>
 #include <array>
@@ -150,6 +151,22 @@ void checkStructural(const flat::FlatModel &model, const std::vector<Setting> &s
       session.diagnostics.report(diag::NotStructural, {}, setting.name, model.name).suggest(setting.name, names);
     else if (!setting.number)
       session.diagnostics.report(diag::NeedsConstant, {}, setting.name);
+  }
+}
+
+void checkStructuralValues(const HybridSystem &system, const std::vector<Setting> &settings, Session &session) {
+  for (const Setting &setting : settings) {
+    const auto found = std::find_if(system.quantities.begin(), system.quantities.end(),
+                                    [&](const Quantity &quantity) { return quantity.name == setting.name; });
+    if (!setting.number || found == system.quantities.end() || (found->flags & TF_STRUCTURAL) == 0)
+      continue;
+    tf_variable described = {};
+    described.kind = found->kind;
+    described.flags = found->flags;
+    described.min = found->min;
+    described.max = found->max;
+    if (const auto checked = runtime::ModelInstance::checkValue(described, *setting.number, setting.name); !checked)
+      session.diagnostics.report(diag::RefusedSetting, {}, setting.name + "=" + setting.value, checked.error());
   }
 }
 

@@ -42,6 +42,9 @@ bool checkLibraries(const ModelOptions &options, Session &session);
 // `tfc compile` can take settings of structural parameters only: reports others.
 void checkStructural(const flat::FlatModel &model, const std::vector<Setting> &settings, Session &session);
 
+// Whether they may take these values: reports those out of bounds, or that are not whole or no truth values.
+void checkStructuralValues(const HybridSystem &system, const std::vector<Setting> &settings, Session &session);
+
 // The file is a shared library rather than a text.
 [[nodiscard]] bool isCompiledModel(const std::string &path);
 

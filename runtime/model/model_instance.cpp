@@ -118,7 +118,10 @@ std::string ModelInstance::unknownName(std::string_view name, std::optional<tf_k
 }
 
 Outcome<void> ModelInstance::checkValue(std::int32_t variable, double value, std::string_view name) const {
-  const tf_variable &described = model_->variables[variable];
+  return checkValue(model_->variables[variable], value, name);
+}
+
+Outcome<void> ModelInstance::checkValue(const tf_variable &described, double value, std::string_view name) {
   if (std::isnan(value))
     return Failure{fmt::format("'{}' cannot be set to NaN", name)};
   if (std::isinf(value) && described.kind != TF_KIND_PARAMETER)

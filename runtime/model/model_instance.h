@@ -45,6 +45,8 @@ public:
   // Whether variable number `variable` may take the value: NaN, infinity of non-bounds, min, max, Integer, Boolean. `name` is what the
   // message calls it.
   [[nodiscard]] Outcome<void> checkValue(std::int32_t variable, double value, std::string_view name) const;
+  // The same of a variable by its kind, flags and bounds.
+  [[nodiscard]] static Outcome<void> checkValue(const tf_variable &described, double value, std::string_view name);
   // Computed parameters against their min and max; to be asked before a run.
   [[nodiscard]] Outcome<void> checkParameters() const;
 

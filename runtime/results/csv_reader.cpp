@@ -64,14 +64,12 @@ public:
   }
 
 private:
-  [[nodiscard]] bool atLineEnd() const {
-    return position_ == text_.size() || text_[position_] == '\n' || text_.substr(position_, 2) == "\r\n";
-  }
+  [[nodiscard]] bool atLineEnd() const { return position_ == text_.size() || text_[position_] == '\n' || text_[position_] == '\r'; }
   [[nodiscard]] std::size_t column() const { return position_ - lineStart_ + 1; }
 
   void endLine() {
     if (position_ < text_.size())
-      position_ += text_[position_] == '\r' ? 2 : 1;
+      position_ += text_.substr(position_, 2) == "\r\n" ? 2 : 1;
     ++line_;
     lineStart_ = position_;
   }

@@ -109,6 +109,15 @@ tf_status Simulation::Implementation::checkRedundancy() {
   return TF_OK;
 }
 
+// The same of the contradictions at the end of the integrator's step, before its samples are taken.
+tf_status Simulation::Implementation::checkContradiction() {
+  SmoothIntegrator &integrator = integrators_.current();
+  if (!redundancy_.isPresent() || !dynamics_.evaluate(integrator.endTime(), integrator.end(), rate_.data()))
+    return TF_OK;
+  const std::string text = redundancy_.contradiction(owner_.options.tolerance);
+  return text.empty() ? TF_OK : fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
+}
+
 void Simulation::Implementation::enterSegment() {
   const double next = inputs_.nextBreakpoint(time_);
   at_.setSegment(std::isfinite(next) ? 0.5 * (time_ + next) : time_ + std::max(1.0, std::abs(time_)));
@@ -290,6 +299,8 @@ tf_status Simulation::Implementation::commit() {
   if (dynamics_.metNegativeFriction())
     if (const tf_status status = checkFriction(); status != TF_OK)
       return status;
+  if (const tf_status status = checkContradiction(); status != TF_OK)
+    return status;
   const bool isSampled = nextSample_ < integrator.endTime();
   // Directions that are held where a slip stops do not turn for motions nearby, whose slips do.
   if (sensitivities_)
@@ -406,7 +417,7 @@ tf_status Simulation::Implementation::advanceTo(double time, double firstSample)
       if (const tf_status status = timeEvent(); status != TF_OK)
         return status;
   }
-  return TF_OK;
+  return std::isnan(nextSample_) ? TF_TERMINATED : TF_OK;
 }
 
 void Simulation::Implementation::values(double *all) {

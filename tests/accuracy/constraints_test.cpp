@@ -248,6 +248,30 @@ end Contradiction;
   }
 }
 
+TEST(RedundantConstraints, StepsThatEndInAContradictionHaveNoSamples) {
+  CompiledModel model(sourceFile("late_contradiction.tf", R"(model Late
+  coordinate Real x, y;
+  body ball(mass = 1, position = {x, y});
+  constraint together(residual = x - y);
+  constraint apart(velocityResidual = der(x) - der(y) - max(0, time - 0.5));
+end Late;
+)"));
+  model.tolerance(1e-9).initialise();
+  struct Worst {
+    CompiledModel &model;
+    double value = 0;
+  } worst{model};
+  const auto sample = [](void *data, double time) {
+    Worst &own = *static_cast<Worst *>(data);
+    own.value = std::max(own.value, std::abs(own.model["x"] - own.model["y"]));
+    return time + 0.01;
+  };
+  EXPECT_EQ(tf_run(model.simulation(), 1, 0.01, sample, &worst), TF_FAILED);
+  EXPECT_NE(std::string(tf_error_text(model.simulation())).find("contradict"), std::string::npos);
+  EXPECT_NEAR(model.time(), 0.5, 0.01);
+  EXPECT_LE(worst.value, 1e-6);
+}
+
 TEST(ConstrainedStarts, ThatContradictEachOtherAreNamed) {
   CompiledModel model(sourceFile("contradicting_start.tf", R"(model Start
   coordinate Real x(fixed = false), y;

@@ -439,6 +439,37 @@ TEST(LibTf, ExceptionsOfCallbacksBecomeErrors) {
   EXPECT_EQ(text(particle), "no value today");
 }
 
+TEST(LibTf, MissingNamesAndPlacesAreErrors) {
+  const Owned particle = create(test::particleModel());
+  EXPECT_EQ(tf_set_sensitivities(particle.get(), nullptr, 1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "a name is missing");
+  const char *const names[] = {"g", nullptr};
+  EXPECT_EQ(tf_set_sensitivities(particle.get(), names, 2), TF_BAD_ARGUMENT);
+  ASSERT_EQ(tf_set_sensitivities(particle.get(), names, 1), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  EXPECT_EQ(tf_get_sensitivity(particle.get(), 0, nullptr), TF_BAD_ARGUMENT);
+  EXPECT_EQ(text(particle), "the array for the values is missing");
+}
+
+TEST(LibTf, BreakpointsThatAreNotLaterAreErrors) {
+  const Owned particle = create(test::particleModel());
+  const auto value = [](void *, double, double) { return 0.0; };
+  const auto stays = [](void *, double time) { return time < 0.25 ? 0.25 : time; };
+  ASSERT_EQ(tf_set_input_callback(particle.get(), "u[1]", value, stays, nullptr), TF_OK);
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK) << text(particle);
+  EXPECT_EQ(tf_step(particle.get(), 1), TF_FAILED);
+  EXPECT_EQ(text(particle), "the breakpoint of 'u[1]' after time 0.25 cannot be at 0.25");
+  EXPECT_EQ(tf_time(particle.get()), 0.25);
+}
+
+// Also where the step of the sample goes to the end.
+TEST(LibTf, ASampleMayEndTheRunInItsLastStep) {
+  const Owned particle = create(test::particleModel());
+  ASSERT_EQ(tf_initialise(particle.get(), 0), TF_OK);
+  const auto ends = [](void *, double) { return std::numeric_limits<double>::quiet_NaN(); };
+  EXPECT_EQ(tf_run(particle.get(), 0.3, 0.2, ends, nullptr), TF_TERMINATED);
+}
+
 // Throws at its first call once it is armed; a run goes on from where that has ended it as if nothing had been.
 struct ThrowsOnce {
   bool isArmed = false;

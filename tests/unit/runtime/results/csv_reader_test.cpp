@@ -37,6 +37,15 @@ TEST(CsvReader, AcceptsByteOrderMarkCarriageReturnsBlankLinesBlanksAndNoFinalLin
   EXPECT_THAT(tables.value()[0].values, ElementsAre(1, 2));
 }
 
+TEST(CsvReader, AcceptsLinesThatEndWithCarriageReturnsAlone) {
+  const ModelInstance instance(test::particleModel());
+  const auto tables = parseInputTables("time,u[1]\r0,1\r\r2,3\r", "u.csv", instance);
+  ASSERT_TRUE(tables) << tables.error();
+  EXPECT_EQ(tables.value()[0].times, (std::vector<double>{0, 2}));
+  EXPECT_EQ(tables.value()[0].values, (std::vector<double>{1, 3}));
+  EXPECT_EQ(parseInputTables("time,u[1]\r0,x\r", "u.csv", instance).error(), "u.csv:2:3: column 'u[1]' needs a number, found 'x'");
+}
+
 TEST(CsvReader, KeepsEqualTimesAsJumps) {
   const auto tables = parse("time,u[1]\n0,1\n1,1\n1,5\n");
   ASSERT_TRUE(tables.ok()) << tables.error();
