@@ -632,9 +632,17 @@ double ModeDynamics::reactionPower() {
   for (int i = 0; i < rows_.count(); ++i)
     power += rowForces()[i] * rows_.product(i, velocities);
   solveMultipliers();
-  for (int row = 0; row < model.nh; ++row)
+  if (model.nh == 0)
+    return power;
+  // Constraints that do not move do no work. What is left of their rates would, at multipliers of any size (where a mechanism is stretched
+  // and other constraints hold it).
+  at_.constraintResiduals();
+  for (int row = 0; row < model.nh; ++row) {
+    double rate = 0;
     for (int k = 0; k < model.nv; ++k)
-      power += at_.multiplier[row] * at_.constraintJacobian[row * model.nv + k] * velocities[k];
+      rate += at_.constraintJacobian[row * model.nv + k] * velocities[k];
+    power += at_.multiplier[row] * (rate - at_.residualRate[row]);
+  }
   return power;
 }
 

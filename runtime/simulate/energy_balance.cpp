@@ -34,6 +34,31 @@ void EnergyBalance::start(double time, const double *state) {
   note(energy);
 }
 
+// ∂V/∂u u', by a five-point difference along u', at the point of the evaluation.
+double EnergyBalance::inputPower(double potential) {
+  constexpr double part = 1e-3;  // of the inputs
+  ModelEvaluation &at = dynamics_.model();
+  double fastest = 0;  // relative to the inputs
+  for (std::size_t k = 0; k < at.input.size(); ++k)
+    fastest = std::max(fastest, std::abs(at.inputRate[k]) / std::max(1.0, std::abs(at.input[k])));
+  if (fastest == 0)
+    return 0;
+  const double h = part / fastest;
+  inputs_ = at.input;
+  const auto potentialAt = [&](double step) {
+    for (std::size_t k = 0; k < inputs_.size(); ++k)
+      at.input[k] = inputs_[k] + step * at.inputRate[k];
+    Energy energy;
+    at.energies(energy.kinetic, energy.potential, energy.power);
+    return energy.potential;
+  };
+  double power = 0;
+  if (const double ahead = potentialAt(h); ahead != potential)
+    power = (8 * (ahead - potentialAt(-h)) - (potentialAt(2 * h) - potentialAt(-2 * h))) / (12 * h);
+  at.input = inputs_;
+  return power;
+}
+
 EnergyBalance::Passage EnergyBalance::integrate(SmoothIntegrator &integrator, const Quadrature &rule, double begin, double length) {
   Passage sum;
   const auto &[nodes, weights] = rule;
@@ -43,7 +68,8 @@ EnergyBalance::Passage EnergyBalance::integrate(SmoothIntegrator &integrator, co
     if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
       continue;
     const Energy energy = energyAt(time, state_.data());
-    const double friction = dynamics_.frictionPower(), power = energy.power + dynamics_.reactionPower() - friction;
+    const double friction = dynamics_.frictionPower(), ofInputs = inputPower(energy.potential);
+    const double power = energy.power + ofInputs + dynamics_.reactionPower() - friction;
     sum.known += weights[k];
     sum.frictionLoss -= weights[k] * friction;
     sum.work += weights[k] * power;

@@ -38,7 +38,7 @@ public:
 
   [[nodiscard]] const EnergyTotals &totals() const { return totals_; }
   void restore(const EnergyTotals &totals) { totals_ = totals; }
-  // Inputs have jumped: what that did to the potential energy.
+  // Inputs or switches have jumped: what that did to the potential energy.
   void addJump(double potentialChange) {
     totals_.work += potentialChange;
     totals_.passed += std::abs(potentialChange);
@@ -63,12 +63,13 @@ private:
   void note(const Energy &energy);
   Energy energyInside(SmoothIntegrator &integrator, double time);
   double reversed(double time, const double *state);
+  double inputPower(double potential);
   Passage integrate(SmoothIntegrator &integrator, const Quadrature &rule, double begin, double length);
   Passage refine(SmoothIntegrator &integrator, const Passage &whole, double begin, double length, double accepted, int depth);
 
   ModeDynamics &dynamics_;
   EnergyTotals totals_;
-  std::vector<double> state_, rate_;
+  std::vector<double> state_, rate_, inputs_;
 };
 
 }  // namespace tf::runtime

@@ -140,10 +140,8 @@ void Simulation::Implementation::report(const std::vector<Transition> &transitio
 
 tf_status Simulation::Implementation::timeEvent() {
   beginEvent();
-  const double potential = energy_ ? energy_->energyAt(time_, state_.data()).potential : 0;
+  beginSwitch();
   enterSegment();
-  if (energy_)
-    energy_->addJump(energy_->energyAt(time_, state_.data()).potential - potential);
   rest_.restart();
   if (std::isinf(suggestedStep_))
     suggestedStep_ = 0;
@@ -153,8 +151,45 @@ tf_status Simulation::Implementation::timeEvent() {
   hint.keepsOpen = true;
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
+  if (const tf_status status = endSwitch(-1); status != TF_OK)
+    return status;
   report(transitions);
   return TF_OK;
+}
+
+// Switches, or inputs, are about to take other values at (time_, state_).
+void Simulation::Implementation::beginSwitch() {
+  if (model_.nv > 0 && (energy_ || model_.ns > 0))
+    energyJump_.begin(time_, state_.data());
+}
+
+// They have. What that does to the potential energy is work of what turns them; switch j may not have turned by the motion itself then.
+tf_status Simulation::Implementation::endSwitch(int j) {
+  if (model_.nv == 0 || !(energy_ || model_.ns > 0))
+    return TF_OK;
+  energyJump_.end(time_, state_.data());
+  if (energyJump_.kineticJumps())
+    return failAt(
+        fmt::format("the velocity of a body jumps{}, which only an impulse may do",
+                    j < 0 ? "" : fmt::format(" where '{}' {} switches", model_.switches[j].text, sourceOf(model_.switches[j].location))));
+  if (j >= 0 && energyJump_.potentialJumps() && switchesByMotion(j))
+    return failAt(
+        fmt::format("the potential energy jumps by {:.6g} where '{}' {} switches, which no force does: a potential is a continuous "
+                    "function of the coordinates",
+                    energyJump_.ofPotential(), model_.switches[j].text, sourceOf(model_.switches[j].location)));
+  if (energy_)
+    energy_->addJump(energyJump_.ofPotential());
+  return TF_OK;
+}
+
+// The condition depends on coordinates.
+bool Simulation::Implementation::switchesByMotion(int j) {
+  std::vector<std::uint8_t> mask(static_cast<std::size_t>(model_.ns), 0);
+  mask[static_cast<std::size_t>(j)] = 1;
+  at_.setPoint(time_, state_.data());
+  at_.switchGradients(mask.data());
+  const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * at_.columns();
+  return std::any_of(row, row + model_.nq, [](double slope) { return slope != 0; });
 }
 
 // From the last good point after a failure, with other inputs, say. The failure may have been that of an event at this point.
@@ -358,7 +393,12 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
   }
   hint.keepsOpen = isStep || guard.kind == GuardKind::Condition;
   std::vector<Transition> &transitions = beginTransitions();
+  const bool switches = guard.kind == GuardKind::Condition;
+  if (switches)
+    beginSwitch();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
+    return status;
+  if (const tf_status status = switches ? endSwitch(guard.index) : TF_OK; status != TF_OK)
     return status;
   if (stopped >= 0 && mode_.tangent[stopped] == Tangent::SlipPositive)
     transitions.push_back({TF_EVENT_SLIP_REVERSAL, elementOfTangent(model_, stopped)});

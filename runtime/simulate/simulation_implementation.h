@@ -4,6 +4,7 @@
 
 #include "runtime/simulate/constrained_start.h"
 #include "runtime/simulate/energy_balance.h"
+#include "runtime/simulate/energy_jump.h"
 #include "runtime/simulate/event_detection.h"
 #include "runtime/simulate/event_progress.h"
 #include "runtime/simulate/failure_texts.h"
@@ -78,6 +79,7 @@ public:
   bool isShareLost_ = false;                      // theirs, unless nothing can move within what the tolerance leaves open
   bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
   Redundancy redundancy_;
+  EnergyJump energyJump_;
   // workspaces
   std::vector<Transition> transitions_;
   std::vector<Approach> approaches_;  // before the event
@@ -159,6 +161,9 @@ private:
   int jamAt(int guard);
   tf_status jam(int contact);
   tf_status timeEvent();
+  void beginSwitch();
+  tf_status endSwitch(int j);
+  bool switchesByMotion(int j);
   tf_status goOn();
 
   // simulation_impacts.cpp

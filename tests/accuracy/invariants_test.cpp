@@ -2,6 +2,7 @@
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <gtest/gtest.h>
 #include <ostream>
@@ -229,6 +230,113 @@ end Beside;
     // Of friction that part which is in the impacts belongs to them.
     EXPECT_NEAR(model["energy.impactLoss"] + model["energy.frictionLoss"], 5 + 2, 10 * tolerance) << tolerance;
   }
+}
+
+double withBalance(CompiledModel &model, double end, tf_integrator integrator) {
+  EXPECT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  model.tolerance(1e-9).integrator(integrator).run(end);
+  EXPECT_LE(tf_get_statistics(model.simulation())->worst_energy_error, 1e-7) << integrator;
+  return model["energy.work"];
+}
+
+// x'' = -k x with x(0) = 1 at rest: k is 1 up to 1, then 3.
+TEST(Energies, OfAStiffnessThatSwitchesInTime) {
+  const std::string file = sourceFile("switched_stiffness.tf", R"(
+model SwitchedStiffness
+  coordinate Real x(start = 1);
+  body b(mass = 1, position = x);
+  potential spring(energy = 0.5*(if time < 1 then 1 else 3)*x^2);
+end SwitchedStiffness;
+)");
+  for (const tf_integrator integrator : integrators) {
+    CompiledModel model(file);
+    EXPECT_NEAR(withBalance(model, 2, integrator), std::pow(std::cos(1), 2), 1e-7) << integrator;
+  }
+}
+
+TEST(Energies, OfAStiffnessThatAStateSwitches) {
+  const std::string file = sourceFile("worn_stiffness.tf", R"(
+model WornStiffness
+  coordinate Real x(start = 1);
+  Real z(start = 1);
+  body b(mass = 1, position = x);
+  potential spring(energy = 0.5*(if z > 0.5 then 4 else 1)*x^2);
+equation
+  der(z) = -z;
+end WornStiffness;
+)");
+  for (const tf_integrator integrator : integrators) {
+    CompiledModel model(file);
+    EXPECT_NEAR(withBalance(model, 2, integrator), -1.5 * std::pow(std::cos(2 * std::log(2)), 2), 1e-7) << integrator;
+  }
+}
+
+// An input that changes as a function of time does the work that time itself would do.
+TEST(Energies, OfPotentialsThatInputsChange) {
+  const auto spring = [](const std::string &declaration, const std::string &name) {
+    return sourceFile(name + ".tf", R"(
+model Spring
+  )" + declaration + R"(
+  coordinate Real x[2](start = {1, 0});
+  body b(mass = 1, position = x);
+  potential p(energy = 0.5*u*x[1]^2 + sin(u)*x[2] + exp(0.2*u)*x[2]^2);
+end Spring;
+)");
+  };
+  const std::string driven = spring("input Real u;", "driven_spring"), timed = spring("Real u = 1 + 2*time;", "timed_spring");
+  for (const tf_integrator integrator : integrators) {
+    CompiledModel byInput(driven), byTime(timed);
+    const std::array<double, 3> times = {0, 1, 2}, values = {1, 3, 5};
+    ASSERT_EQ(tf_set_input_table(byInput.simulation(), "u", times.data(), values.data(), times.size(), 1), TF_OK);
+    EXPECT_NEAR(withBalance(byInput, 1.9, integrator), withBalance(byTime, 1.9, integrator), 1e-7) << integrator;
+    EXPECT_NEAR(byInput["x[1]"], byTime["x[1]"], 1e-7) << integrator;
+  }
+}
+
+// Each rod is stretched twice a turn, where its share of the load, which is the least one, grows beyond all bounds.
+TEST(Energies, OfRedundantConstraintsThatAreStretched) {
+  const std::string file = sourceFile("coupled_wheels.tf", R"(
+model CoupledWheels "two wheels with a rod on each side, cranks at right angles"
+  parameter Real r = 0.2, d = 1;
+  coordinate Real a[2](each start = 0.5, der(each start = 10));
+  body w[2](angle = a, each inertia = 0.5);
+  constraint left(residual = ((d + r*cos(a[2]) - r*cos(a[1]))^2 + (r*sin(a[2]) - r*sin(a[1]))^2 - d^2)/(2*d));
+  constraint right(residual = ((d - r*sin(a[2]) + r*sin(a[1]))^2 + (r*cos(a[2]) - r*cos(a[1]))^2 - d^2)/(2*d));
+  force engine(value = 1, at = a[1]);
+end CoupledWheels;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+      CompiledModel model(file);
+      ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+      model.tolerance(tolerance).integrator(integrator).run(2);
+      EXPECT_NEAR(model["energy.work"], 22, std::max(1e-7, 100 * tolerance)) << integrator << ", " << tolerance;
+    }
+}
+
+void expectJumpAt(const std::string &file, double time, const std::string &text) {
+  CompiledModel model(file);
+  try {
+    model.run(1);
+    FAIL() << "no error";
+  } catch (const std::runtime_error &error) {
+    EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+  }
+  EXPECT_NEAR(model.time(), time, 1e-6);
+}
+
+TEST(Energies, ThatNoForceChangesAreErrors) {
+  const auto body = [](const std::string &position, const std::string &energy, const std::string &name) {
+    return sourceFile(name + ".tf", "model Jumps\n  coordinate Real x(start = 1, der(start = -2));\n  body b(mass = 1, position = " +
+                                        position + ");\n  potential p(energy = " + energy + ");\nend Jumps;\n");
+  };
+  const std::string velocity = "the velocity of a body jumps where ";
+  expectJumpAt(body("x + max(0, time - 0.25)", "0", "bent_position"), 0.25, velocity + "'max(0, time - 0.25)'");
+  expectJumpAt(body("x + abs(time - 0.25)", "0", "turned_position"), 0.25, velocity);
+  expectJumpAt(body("x", "if x > 0 then 0 else 1", "stepped_energy"), 0.5, "the potential energy jumps by 1 where 'x > 0'");
+  // A position and an energy that are smooth enough.
+  CompiledModel smooth(body("x + (if time < 0.25 then 0 else (time - 0.25)^2)", "if x > 0 then 0 else x^2", "smooth"));
+  withBalance(smooth, 1, TF_AUTO);
 }
 
 // Bodies whose positions are functions of time move where nothing else does, in steps as long as the output lets them.
