@@ -204,6 +204,7 @@ public:
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }
   void renewDirections(double time, const double *state) { slips_.renew(time, state); }
   void holdDirections(double part) { slips_.hold(part); }
+  bool holdStartingDirections(double part) { return slips_.holdStarts(part); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
   // Magnitude of the velocities that this is compared with.
   [[nodiscard]] double slipScale(int guard) const { return slips_.scale(guards_[guard].index); }

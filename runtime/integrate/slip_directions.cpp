@@ -73,6 +73,16 @@ void SlipDirections::hold(double part) {
     pairs_[k].held = part > 0 && speed(k) <= part * pairs_[k].scale;
 }
 
+bool SlipDirections::holdStarts(double part) {
+  bool isAny = false;
+  for (int k = 0; k < count(); ++k) {
+    Pair &pair = pairs_[k];
+    pair.held = pair.starts && speed(k) <= part * pair.scale;
+    isAny = isAny || pair.held;
+  }
+  return isAny;
+}
+
 bool SlipDirections::watchGrowth(const double *rates) {
   bool slow = false;
   for (int k = 0; k < count(); ++k) {

@@ -62,6 +62,8 @@ public:
   // The direction of friction is the reference direction, whatever the slip is, for the pairs that are now not faster than `part` of their
   // scale, until `renew`, `choose` or the next call; for all others it is that of the slip.
   void hold(double part);
+  // The same, but for those that start at the latest `watchGrowth` alone. False: there are none.
+  bool holdStarts(double part);
 
   // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
   void differentiate(double time, const double *state);

@@ -189,9 +189,18 @@ bool Sensitivities::differenceRate(const Column &column, double time, const doub
   return isGood;
 }
 
+// Of a slip of two components that starts, the direction is known from the start on; that of the interpolant's slip is none while it is not
+// faster than what it may be wrong by.
 bool Sensitivities::evaluate(SmoothIntegrator &integrator, double time) {
+  constexpr double margin = 10;
   integrator.interpolate(time, state_.data());
-  return dynamics_.evaluate(time, state_.data(), rate_.data());
+  if (dynamics_.turningSlipCount() == 0)
+    return dynamics_.evaluate(time, state_.data(), rate_.data());
+  dynamics_.holdDirections(0);
+  if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
+    return false;
+  return !dynamics_.holdStartingDirections(margin * integrator.settings().tolerance) ||
+         dynamics_.evaluate(time, state_.data(), rate_.data());
 }
 
 // A and b at the point of the last evaluation.
@@ -354,6 +363,7 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double e
     std::swap(begin_, end_);
     largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   }
+  dynamics_.holdDirections(0);
   return true;
 }
 

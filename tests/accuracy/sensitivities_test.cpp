@@ -616,6 +616,37 @@ end Plate;
   EXPECT_NEAR(sensitivity(straight, "p[1]", 0), -speed * 2 / (2 * 10 * 0.25 * 0.25), 1e-6);
 }
 
+// A slip of two components starts from zero, and its acceleration as well: for as long as it is slower than what the interpolant may be
+// wrong by, that has no direction.
+TEST(Sensitivities, OverTheFirstInstantsOfASlip) {
+  const std::string file = sourceFile("turntable_puck.tf", R"(model TurntablePuck
+  parameter Real mu = 0.3, spin = 0.8;
+  coordinate Real q[3](start = {0.4, 0.1, 0});
+  body puck(mass = 1, position = q);
+  gravity g(acceleration = {0, 0, -9.81});
+  contact table(gap = q[3], slip = {der(q[1]) + spin*time*q[2], der(q[2]) - spin*time*q[1]}, friction = mu);
+end TurntablePuck;
+)");
+  constexpr double h = 1e-5;
+  for (const auto &[name, value] : {std::pair{"mu", 0.3}, std::pair{"spin", 0.8}}) {
+    const auto speeds = [&](double changed) {
+      CompiledModel model(file, {{name, changed}});
+      model.tolerance(1e-12).run(3.4);
+      return std::array{model["der(q[1])"], model["der(q[2])"]};
+    };
+    const auto plus = speeds(value + h), minus = speeds(value - h);
+    const double first = (plus[0] - minus[0]) / (2 * h), second = (plus[1] - minus[1]) / (2 * h), size = std::hypot(first, second);
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10}) {
+        CompiledModel model(file);
+        differentiateBy(model, {name});
+        model.tolerance(tolerance).integrator(integrator).run(3.4);
+        const double error = std::hypot(sensitivity(model, "der(q[1])", 0) - first, sensitivity(model, "der(q[2])", 0) - second);
+        EXPECT_LE(error, std::max(1e-7, 100 * tolerance * size)) << name << " by " << integrator << " to " << tolerance;
+      }
+  }
+}
+
 // With restitution the box does not stay: with more friction it leaves the floor with another velocity than with less.
 TEST(Sensitivities, OfAnImpactWithAKinkAreRefused) {
   CompiledModel model(fileOf(kLanding), {{"e", 0.2}});
