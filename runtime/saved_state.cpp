@@ -71,7 +71,7 @@ Outcome<void> restoreState(const ModelInstance &instance, InputSignals &inputs, 
   if (header.mark != stateMark || header.size > size || header.size < sizeof header)
     return Failure{"this is not a saved state"};
   if (header.size != savedStateSize(inputs, simulation) || header.fingerprint != fingerprint(instance))
-    return Failure{"the state is of another model or of other parameters"};
+    return Failure{"the state is of another model, of other parameters or of a run with other sensitivities or energy balance"};
   in += sizeof header;
   if (header.checksum != hashBytes(hashStart, in, header.size - sizeof header))
     return Failure{"the saved state is damaged"};

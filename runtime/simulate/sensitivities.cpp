@@ -313,6 +313,14 @@ double Sensitivities::nextPiece(double length, double error, double jump) {
 }
 
 bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end) {
+  const bool isKnown = addPieces(integrator, begin, end);
+  if (!isKnown)
+    matrix_.setConstant(std::numeric_limits<double>::quiet_NaN());
+  dynamics_.holdDirections(0);
+  return isKnown;
+}
+
+bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double end) {
   // Of oscillations both methods' errors have the same sign, and their difference is a fifth of them.
   constexpr double likeness = 5, smallest = 1e-8;
   // A jump is found in fewer divisions; what goes on jumping is rounding.
@@ -363,7 +371,6 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double e
     std::swap(begin_, end_);
     largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   }
-  dynamics_.holdDirections(0);
   return true;
 }
 
@@ -602,6 +609,28 @@ void Sensitivities::endEvent(const double *rate) {
 void Sensitivities::reopenEvent(const double *rate) {
   eventTime_ = lastEventTime_;
   matrix_ += Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
+}
+
+std::size_t Sensitivities::numberCount() const { return static_cast<std::size_t>(2 * matrix_.size() + lastEventTime_.size()) + 1; }
+
+void Sensitivities::write(double *numbers) const {
+  numbers = std::copy_n(matrix_.data(), matrix_.size(), numbers);
+  numbers = std::copy_n(largest_.data(), largest_.size(), numbers);
+  numbers = std::copy_n(lastEventTime_.data(), lastEventTime_.size(), numbers);
+  *numbers = piece_;
+}
+
+void Sensitivities::read(const double *numbers) {
+  const auto take = [&numbers](auto &values) {
+    std::copy_n(numbers, values.size(), values.data());
+    numbers += values.size();
+  };
+  take(matrix_);
+  take(largest_);
+  take(lastEventTime_);
+  piece_ = *numbers;
+  eventTime_.setZero();
+  jump_.resize(0, 0);
 }
 
 void Sensitivities::setEvent(const double *derivatives) {

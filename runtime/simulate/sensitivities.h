@@ -34,7 +34,7 @@ public:
   // S = ∂(starts)/∂θ.
   void start(double time);
   // S over a part of the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be
-  // evaluated.
+  // evaluated, and is not known (NaN).
   bool addStep(SmoothIntegrator &integrator, double begin, double end);
   // An event at (time, state) with rate f⁻: at the common zero of `guards` (one at least) of the dynamics' mode. Events
   // at times that do not depend on θ need no such call.
@@ -59,6 +59,14 @@ public:
 
   // The last step could not be differentiated because the motion depends on how redundant contacts share their load.
   [[nodiscard]] bool isShareUnknown() const { return isShareUnknown_; }
+
+  // Not after a failure of addStep.
+  [[nodiscard]] bool isKnown() const { return matrix_.allFinite(); }
+
+  // What a run between two steps goes on with, as numbers.
+  [[nodiscard]] std::size_t numberCount() const;
+  void write(double *numbers) const;
+  void read(const double *numbers);
 
   // Number of (q, v, z).
   [[nodiscard]] int size() const { return n_; }
@@ -95,6 +103,7 @@ private:
   [[nodiscard]] double jumpError(double length);
   [[nodiscard]] static double nextPiece(double length, double error, double jump);
   [[nodiscard]] Eigen::VectorXd rounding(double length);
+  bool addPieces(SmoothIntegrator &integrator, double begin, double end);
   auto displacement(const Map &map);
   bool mapColumns(const Map &map, double time, const double *state);
   bool mapBothSides(const Map &map, double time, const double *state);

@@ -432,6 +432,10 @@ bool Simulation::Implementation::sensitivity(int column, double *all) {
   const auto evaluate = [this](double time, double *state, double *result) {
     return values_.evaluate(time, state, impulse_.data(), at_.parameters(), result);
   };
+  if (sensitivities_ && !sensitivities_->isKnown()) {
+    std::fill_n(all, model_.variable_count, std::numeric_limits<double>::quiet_NaN());
+    return true;
+  }
   if (!sensitivities_ || !sensitivities_->differentiate(evaluate, time_, state_.data(), column, model_.variable_count, all))
     return false;
   // Differences resolve small parts of the state less well than it is known itself.
@@ -463,8 +467,10 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   field(&jamTime_, sizeof jamTime_);
   field(&progress_, sizeof progress_);
   vector(selection_.grazingSpeeds());
-  field(&more.energy, sizeof more.energy);
+  vector(more.energy);
   vector(more.impacts);
+  vector(more.sensitivities);
+  field(&isShareLost_, sizeof isShareLost_);
   vector(state_);
   vector(impulse_);
   mode_.closed.resize(model_.nc);
@@ -479,18 +485,29 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   vector(mode_.held);
 }
 
+// Room for what the parts of the simulation have.
+Simulation::Implementation::Continuation Simulation::Implementation::continuation() const {
+  Continuation more;
+  more.energy.resize(energy_ ? 1 : 0);
+  more.impacts.resize(rest_.numberCount());
+  more.sensitivities.resize(sensitivities_ ? sensitivities_->numberCount() : 0);
+  return more;
+}
+
 std::size_t Simulation::Implementation::stateSize() {
-  Continuation more(rest_.numberCount());
+  Continuation more = continuation();
   std::size_t size = 0;
   forContinuation(more, [&size](const void *, std::size_t bytes) { size += bytes; });
   return size;
 }
 
 void Simulation::Implementation::save(void *buffer) {
-  Continuation more(rest_.numberCount());
+  Continuation more = continuation();
   if (energy_)
-    more.energy = energy_->totals();
+    more.energy.front() = energy_->totals();
   rest_.write(more.impacts.data());
+  if (sensitivities_)
+    sensitivities_->write(more.sensitivities.data());
   auto *out = static_cast<unsigned char *>(buffer);
   forContinuation(more, [&out](const void *data, std::size_t bytes) {
     if (bytes > 0)
@@ -515,7 +532,7 @@ bool Simulation::Implementation::beginAnew() {
 }
 
 void Simulation::Implementation::restore(const void *buffer) {
-  Continuation more(rest_.numberCount());
+  Continuation more = continuation();
   const auto *in = static_cast<const unsigned char *>(buffer);
   forContinuation(more, [&in](void *data, std::size_t bytes) {
     if (bytes > 0)
@@ -523,8 +540,10 @@ void Simulation::Implementation::restore(const void *buffer) {
     in += bytes;
   });
   if (energy_)
-    energy_->restore(more.energy);
+    energy_->restore(more.energy.front());
   rest_.read(more.impacts.data());
+  if (sensitivities_)
+    sensitivities_->read(more.sensitivities.data());
   error_.clear();
   enterSegment();
   modeValid_ = beginAnew();

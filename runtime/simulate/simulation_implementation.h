@@ -93,10 +93,10 @@ private:
   enum class GapsAtStart : std::uint8_t { Unknown, AsBefore };
   // What continuation depends on and the parts of the simulation own.
   struct Continuation {
-    explicit Continuation(std::size_t impactNumbers) : impacts(impactNumbers) {}
-    EnergyTotals energy;
-    std::vector<double> impacts;  // RestPrediction
+    std::vector<EnergyTotals> energy;           // one, or none without account of it
+    std::vector<double> impacts, sensitivities;  // RestPrediction; the numbers of those that there are
   };
+  Continuation continuation() const;
   // Calls `field`(data, bytes) for all that continuation depends on, in order.
   template <class Field> void forContinuation(Continuation &more, const Field &field);
 

@@ -24,12 +24,12 @@ bool Simulation::Implementation::passStep(double &begin, double end) {
 bool Simulation::Implementation::passSamples() {
   SmoothIntegrator &integrator = integrators_.current();
   double passed = integrator.beginTime();
-  bool differentiated = true;
   while (nextSample_ < integrator.endTime()) {
-    differentiated = passStep(passed, nextSample_) && differentiated;
+    if (!passStep(passed, nextSample_))
+      return false;
     giveSample(nextSample_);
   }
-  return passStep(passed, integrator.endTime()) && differentiated;
+  return passStep(passed, integrator.endTime());
 }
 
 // On the interpolant, projected onto what the mode holds at zero.

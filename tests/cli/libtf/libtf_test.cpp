@@ -216,6 +216,45 @@ std::string nameOfRun(const testing::TestParamInfo<Continued> &run) {
 
 INSTANTIATE_TEST_SUITE_P(All, LibTfContinuation, testing::ValuesIn(continuedRuns()), nameOfRun);
 
+TEST(LibTf, SavedStatesHoldSensitivitiesAndTheEnergyBalance) {
+  const Owned run = create(test::particleModel()), fresh = create(test::particleModel()), plain = create(test::particleModel());
+  const char *const names[] = {"g", "mu", "der(q[1])"};
+  for (const Owned *simulation : {&run, &fresh}) {
+    ASSERT_EQ(tf_set(simulation->get(), "mu", 0.3), TF_OK);
+    ASSERT_EQ(tf_set(simulation->get(), "der(q[1])", 2), TF_OK);
+    ASSERT_EQ(tf_set_sensitivities(simulation->get(), names, std::size(names)), TF_OK);
+    ASSERT_EQ(tf_set_energy_balance(simulation->get(), 1), TF_OK);
+    ASSERT_EQ(tf_initialise(simulation->get(), 0), TF_OK) << text(*simulation);
+  }
+  const auto count = static_cast<std::size_t>(test::particleModel().variable_count);
+  const auto results = [&](const Owned &simulation) {
+    std::vector<double> all(count * (1 + std::size(names)));
+    EXPECT_EQ(tf_get_all(simulation.get(), all.data()), TF_OK);
+    for (std::size_t k = 0; k < std::size(names); ++k)
+      EXPECT_EQ(tf_get_sensitivity(simulation.get(), k, all.data() + count * (k + 1)), TF_OK) << text(simulation);
+    return all;
+  };
+  for (const double time : {0.2, 0.6}) {
+    ASSERT_EQ(tf_step(run.get(), time), TF_OK) << text(run);
+    std::vector<char> state(tf_state_size(run.get()));
+    ASSERT_EQ(tf_save_state(run.get(), state.data(), state.size()), TF_OK);
+    const std::vector<double> here = results(run);
+    ASSERT_EQ(tf_step(run.get(), 0.9), TF_OK) << text(run);
+    const std::vector<double> there = results(run);
+    for (const Owned *simulation : {&fresh, &run}) {
+      ASSERT_EQ(tf_restore_state(simulation->get(), state.data(), state.size()), TF_OK) << text(*simulation);
+      EXPECT_EQ(results(*simulation), here) << time;
+      ASSERT_EQ(tf_step(simulation->get(), 0.9), TF_OK) << text(*simulation);
+      EXPECT_EQ(results(*simulation), there) << time;
+    }
+    ASSERT_EQ(tf_restore_state(run.get(), state.data(), state.size()), TF_OK);
+    // One without them has no place for them.
+    ASSERT_EQ(tf_set(plain.get(), "mu", 0.3), TF_OK);
+    ASSERT_EQ(tf_initialise(plain.get(), 0), TF_OK);
+    EXPECT_EQ(tf_restore_state(plain.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
+  }
+}
+
 TEST(LibTf, RefusesStatesOfOtherRuns) {
   const Owned particle = create(test::particleModel()), heavy = create(test::particleModel()), box = create(test::boxModel());
   ASSERT_EQ(tf_set(heavy.get(), "m", 5), TF_OK);
@@ -226,7 +265,7 @@ TEST(LibTf, RefusesStatesOfOtherRuns) {
   EXPECT_EQ(text(particle), "the state needs " + std::to_string(state.size()) + " bytes");
   ASSERT_EQ(tf_save_state(particle.get(), state.data(), state.size()), TF_OK);
   EXPECT_EQ(tf_restore_state(heavy.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
-  EXPECT_EQ(text(heavy), "the state is of another model or of other parameters");
+  EXPECT_EQ(text(heavy), "the state is of another model, of other parameters or of a run with other sensitivities or energy balance");
   EXPECT_EQ(tf_restore_state(box.get(), state.data(), state.size()), TF_BAD_ARGUMENT);
   EXPECT_EQ(tf_restore_state(particle.get(), state.data(), state.size() - 1), TF_BAD_ARGUMENT);
   state.back() = static_cast<char>(state.back() + 1);
