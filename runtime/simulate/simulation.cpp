@@ -291,6 +291,39 @@ tf_status Simulation::Implementation::checkStartDerivatives() {
                                              instance_.model().variables[owner_.options.sensitivities[column]].name, contact.name,
                                              sourceOf(contact.location)));
   }
+  return checkStartingSlips();
+}
+
+// A slip that starts with the run has been one in the other direction for starts to one side, with the opposite friction.
+tf_status Simulation::Implementation::checkStartingSlips() {
+  constexpr double moves = 1e-6;
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  std::vector<int> starting;
+  at_.switchingOfAll(ModelEvaluation::Slips);
+  for (int j = 0; j < model_.nt; ++j)
+    if (const Tangent tangent = mode_.tangent[j]; (tangent == Tangent::SlipPositive || tangent == Tangent::SlipNegative) &&
+                                                  std::abs(at_.slip[j]) <= selection_.stillSlip(j, state_.data()) &&
+                                                  at_.tangentForce[j] != 0)
+      starting.push_back(j);
+  if (starting.empty())
+    return TF_OK;
+  std::vector<double> change(model_.nt);
+  const auto slips = [this](double time, double *state, double *values) {
+    at_.setPoint(time, state);
+    at_.switchingOfAll(ModelEvaluation::Slips);
+    std::copy_n(at_.slip.begin(), model_.nt, values);
+    return true;
+  };
+  for (int column = 0; column < sensitivities_->columnCount(); ++column) {
+    if (!sensitivities_->differentiate(slips, time_, state_.data(), column, model_.nt, change.data()))
+      return failSensitivities("the start");
+    for (const int j : starting)
+      if (std::abs(change[j]) > moves * at_.scales.slip(j, state_.data() + model_.nq))
+        return failSensitivities(fmt::format("the start: '{}' moves {}, which starts to slip there,",
+                                             instance_.model().variables[owner_.options.sensitivities[column]].name,
+                                             elementText(model_, elementOfTangent(model_, j))));
+  }
   return dynamics_.evaluate(time_, state_.data(), rate_.data()) ? TF_OK : failEvaluation();
 }
 

@@ -111,6 +111,7 @@ private:
   tf_status solveStart();
   tf_status settleStart();
   tf_status checkStartDerivatives();
+  tf_status checkStartingSlips();
   bool startsStayConsistent();
   void startMode();
   void resumeMode();

@@ -647,6 +647,32 @@ end TurntablePuck;
   }
 }
 
+// The speed with which it starts is lost by 3 N if it is against the pull, and by none of it if it is along.
+TEST(Sensitivities, BySpeedsOfSlipsThatStartFromRestAreRefused) {
+  const std::string file = sourceFile("pulled_block.tf", R"(model PulledBlock
+  parameter Real pull = 2;
+  coordinate Real x, y;
+  body block(mass = 1, position = {x, y});
+  force f(value = {pull, 0}, at = {x, y});
+  gravity g(acceleration = {0, -10});
+  contact floor(gap = y, slip = der(x), friction = 0.1);
+end PulledBlock;
+)");
+  CompiledModel refused(file);
+  expectRefusal(refused, "der(x)", 1, "the start: 'der(x)' moves contact 'floor'");
+  CompiledModel pulled(file), sticking(file, {{"pull", 0.5}}), moving(file, {{"der(x)", 1}});
+  differentiateBy(pulled, {"pull", "x"});
+  pulled.tolerance(1e-9).run(1);
+  EXPECT_NEAR(sensitivity(pulled, "x", 0), 0.5, 1e-8);
+  EXPECT_NEAR(sensitivity(pulled, "x", 1), 1, 1e-8);
+  for (CompiledModel *model : {&sticking, &moving})
+    differentiateBy(*model, {"der(x)"});
+  sticking.tolerance(1e-9).run(1);
+  EXPECT_NEAR(sensitivity(sticking, "x", 0), 0, 1e-8);
+  moving.tolerance(1e-9).run(1);
+  EXPECT_NEAR(sensitivity(moving, "x", 0), 1, 1e-8);
+}
+
 // With restitution the box does not stay: with more friction it leaves the floor with another velocity than with less.
 TEST(Sensitivities, OfAnImpactWithAKinkAreRefused) {
   CompiledModel model(fileOf(kLanding), {{"e", 0.2}});
