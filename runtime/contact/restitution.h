@@ -28,6 +28,8 @@ public:
   [[nodiscard]] bool stored(int i) const {
     return law_[i] == ImpactLaw::Stronge ? work_[i] > 0 : impulse_[i] > 0 && (!several_ || work_[i] > 0);
   }
+  // Its push may end because it has given back its work.
+  [[nodiscard]] bool endsByWork(int i) const { return work_[i] > 0 && (law_[i] == ImpactLaw::Stronge || several_); }
   [[nodiscard]] bool storesWork(int i) const { return coefficient_[i] > 0 && law_[i] != ImpactLaw::Newton; }
   [[nodiscard]] double impulse(int i) const { return impulse_[i]; }
   [[nodiscard]] double work(int i) const { return work_[i]; }

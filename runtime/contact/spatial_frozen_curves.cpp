@@ -22,7 +22,7 @@ void SpatialFrozenPhase::Workspace::listWatches() {
       continue;
     if (problem->law[i] == ImpactLaw::Poisson)
       watches.push_back({Watch::Kind::StoredImpulse, i, 1});
-    if (restitution.work(i) > 0)
+    if (restitution.endsByWork(i))
       watches.push_back({Watch::Kind::StoredWork, i, 1});
   }
   for (int j = 0; j < m; ++j) {

@@ -151,6 +151,31 @@ TEST(SpatialFrozenPhase, PoissonsRestitutionOfASphere) {
   EXPECT_NEAR(std::hypot(result.velocity[1], result.velocity[2]), 5 - 1.75 * 0.1 * 6, 1e-13);
 }
 
+// Whatever friction does to a single contact meanwhile, also where it gives the contact more work back than it has stored.
+TEST(SpatialFrozenPhase, PoissonsRestitutionOfOneContactIsThatOfItsImpulse) {
+  std::mt19937 generator(11);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  int gains = 0;
+  for (int run = 0; run < 300; ++run) {
+    const SpatialBody body = spatialBody(generator, 1);
+    Eigen::VectorXd velocity(6);
+    for (double &v : velocity)
+      v = 2 * uniform(generator);
+    velocity[2] -= 1;
+    FrozenProblem problem = problemOf(body, velocity, 1);
+    if (problem.normalVelocity[0] > -0.1)
+      continue;
+    SpatialFrozenPhase phase;
+    const double compression = phase.run(problem).impulse[0];
+    problem.restitution = {1};
+    const FrozenResult &result = phase.run(problem);
+    ASSERT_EQ(result.status, FrozenStatus::Finished) << run;
+    EXPECT_NEAR(result.impulse[0], 2 * compression, 1e-9 * compression) << run;
+    gains += result.velocity[0] > -problem.normalVelocity[0] * 1.01 ? 1 : 0;
+  }
+  EXPECT_GT(gains, 10);
+}
+
 // The motion of one contact, unit rate, (v, τ) by the classical Runge–Kutta method in σ, dτ = ‖v_t‖ dσ: regular where the slip vanishes,
 // which takes σ → ∞. To c2 = 0 or ‖v_t‖ = 1e-14. Returns τ.
 double follow(const Eigen::Matrix3d &D, double friction, Eigen::Vector3d &v, bool &rests) {
