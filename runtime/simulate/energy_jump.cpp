@@ -7,8 +7,8 @@ namespace tf::runtime {
 
 namespace {
 
-// Switches are found to about 1e-12; functions that are continuous there change by as little.
-constexpr double clear = 1e-6;
+// Switches are found to about 1e-12; functions that are continuous there change by that times their slopes.
+constexpr double clear = 1e-6, clearPotential = 1e-4;
 
 }  // namespace
 
@@ -28,7 +28,7 @@ EnergyJump::Energies EnergyJump::evaluate(double time, const double *state) {
 
 bool EnergyJump::potentialJumps() const {
   const double largest = std::max({std::abs(before_.potential), std::abs(after_.potential), before_.kinetic, after_.kinetic});
-  return std::abs(ofPotential()) > clear * largest;
+  return std::abs(ofPotential()) > clearPotential * largest;
 }
 
 bool EnergyJump::kineticJumps() const {
