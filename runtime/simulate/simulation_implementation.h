@@ -93,7 +93,7 @@ private:
   enum class GapsAtStart : std::uint8_t { Unknown, AsBefore };
   // What continuation depends on and the parts of the simulation own.
   struct Continuation {
-    std::vector<EnergyTotals> energy;           // one, or none without account of it
+    std::vector<EnergyTotals> energy;            // one, or none without account of it
     std::vector<double> impacts, sensitivities;  // RestPrediction; the numbers of those that there are
   };
   Continuation continuation() const;
