@@ -578,6 +578,7 @@ void Simulation::Implementation::restore(const void *buffer) {
   if (sensitivities_)
     sensitivities_->read(more.sensitivities.data());
   error_.clear();
+  areSensitivitiesLost_ = false;
   enterSegment();
   modeValid_ = beginAnew();
 }

@@ -47,7 +47,7 @@ public:
   // sample this comes after it.
   tf_status advanceTo(double time, double firstSample);
 
-  // From onEvent and onNote: advanceTo ends behind its step with TF_TERMINATED, but where it is at its time.
+  // From onEvent and onNote: advanceTo ends behind its step with TF_TERMINATED.
   void stop();
 
   [[nodiscard]] double time() const;
