@@ -353,6 +353,53 @@ void EquationSystem::makeDiscontinuous(NodeId node) {
         switching.kind = SwitchKind::Sliding;
 }
 
+void EquationSystem::inlineContinuousSwitches(std::span<const NodeId> acting) {
+  std::vector<char> isLocated(switches_.size(), 0);
+  const auto locate = [&](std::span<const NodeId> nodes) {
+    for (const auto &symbols : ir::dependencies(graph_, nodes))
+      for (const Symbol symbol : symbols)
+        if (symbol.kind == SymbolKind::StepVariable)
+          isLocated[static_cast<std::size_t>(symbol.index)] = 1;
+  };
+  locate(resolve(acting));
+  locate(stateDerivatives_);
+  // A condition depends on step variables before its own alone.
+  for (std::size_t k = switches_.size(); k-- > 0;)
+    if (isLocated[k] != 0 || switches_[k].kind != SwitchKind::Continuous) {
+      isLocated[k] = 1;
+      locate(std::array{switches_[k].condition});
+    }
+  if (std::ranges::find(isLocated, 0) == isLocated.end())
+    return;
+
+  std::vector<NodeId> steps;  // of all, in terms of those that stay
+  std::vector<int> numbers;
+  const auto replace = [&](std::span<const NodeId> nodes) {
+    return ir::substitute(graph_, nodes, [&](Symbol symbol) {
+      return symbol.kind == SymbolKind::StepVariable ? steps[static_cast<std::size_t>(symbol.index)] : -1;
+    });
+  };
+  std::vector<Switch> located;
+  for (std::size_t k = 0; k < switches_.size(); ++k) {
+    Switch one = switches_[k];
+    one.condition = replace(std::array{one.condition})[0];
+    numbers.push_back(static_cast<int>(located.size()));
+    if (isLocated[k] == 0) {
+      steps.push_back(graph_.binary(one.zeroIsPositive ? ir::Op::LessEqual : ir::Op::Less, graph_.constant(0), one.condition));
+      continue;
+    }
+    steps.push_back(graph_.symbol(SymbolKind::StepVariable, numbers.back()));
+    located.push_back(std::move(one));
+  }
+  for (Switch &one : located) {
+    one.of = one.of < 0 ? one.of : numbers[static_cast<std::size_t>(one.of)];
+    one.rest = one.rest < 0 ? one.rest : numbers[static_cast<std::size_t>(one.rest)];
+  }
+  switches_ = std::move(located);
+  definitions_ = replace(definitions_);
+  stateDerivatives_ = replace(stateDerivatives_);
+}
+
 // A number; no event.
 NodeId EquationSystem::parametricStep(const ProvisionalSwitch &provisional, NodeId condition) {
   const NodeId isPositive = graph_.binary(ir::Op::Less, graph_.constant(0), condition);

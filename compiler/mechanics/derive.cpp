@@ -85,14 +85,18 @@ void takeOver(mechanics::Derivation &d) {
   system.nz = static_cast<int>(d.equations.states().size());
   system.nu = d.variables.count(Role::Input);
   system.np = d.variables.count(Role::Parameter);
-  system.stateDerivatives = d.equations.stateDerivatives();
   std::vector<NodeId> nodes;
+  for (const mechanics::PotentialEntry &potential : d.elements.potentials)
+    nodes.push_back(potential.energy);
+  for (const NodeId energy : d.equations.resolve(nodes))
+    d.equations.makeDiscontinuous(energy);  // its gradient acts
+  nodes.clear();
   d.elements.forEachNode([&](NodeId &node) { nodes.push_back(node); });
+  d.equations.inlineContinuousSwitches(nodes);
   nodes = d.equations.resolve(nodes);
+  system.stateDerivatives = d.equations.stateDerivatives();
   std::size_t next = 0;
   d.elements.forEachNode([&](NodeId &node) { node = nodes[next++]; });
-  for (const mechanics::PotentialEntry &potential : d.elements.potentials)
-    d.equations.makeDiscontinuous(potential.energy);  // its gradient acts
   for (const equations::Switch &switching : d.equations.switches())
     system.switches.push_back(
         {switching.text, switching.span, switching.condition, switchKind(switching.kind), switching.zeroIsPositive, switching.of});

@@ -127,6 +127,26 @@ TEST(Switches, GradientOfAPotentialWithAKinkCanSlide) {
   EXPECT_EQ(switchesOf(m), (std::vector<Expected>{{"abs(x)", TF_SWITCH_SLIDING, true}}));
 }
 
+TEST(Switches, KinksOfResultsAloneAreRelations) {
+  DerivedModel m =
+      model("if y > 0 then max(x, 1) else 0", "  Real d = abs(x - y) + abs(abs(x + y) - (if x > 2 then 1 else 0)) + max(x, 1);\n");
+  TF_ASSERT_DERIVED(m);
+  EXPECT_EQ(switchesOf(m),
+            (std::vector<Expected>{
+                {"x > 2", TF_SWITCH_SLIDING, false}, {"max(x, 1)", TF_SWITCH_CONTINUOUS, true}, {"y > 0", TF_SWITCH_SLIDING, false}}));
+  Point point(*m, 1);
+  for (const double x : {-3.0, 0.5, 4.0})
+    for (const double y : {-2.5, -0.25, 0.75}) {
+      point(State, 0) = x;
+      point(State, 1) = y;
+      for (const int k : {0, 1, 2})
+        point(StepVariable, k) = point.evaluate(m->graph, m->switches[static_cast<std::size_t>(k)].condition) > 0 ? 1 : 0;
+      EXPECT_EQ(point.evaluate(m->graph, m->stateDerivatives[0]), y > 0 ? std::max(x, 1.0) : 0);
+      const double d = point.evaluate(m->graph, m->outputs.at(static_cast<std::size_t>(m.quantity("d")->index)));
+      EXPECT_NEAR(d, std::abs(x - y) + std::abs(std::abs(x + y) - (x > 2 ? 1 : 0)) + std::max(x, 1.0), 1e-15);
+    }
+}
+
 TEST(Switches, ConditionsThatTurnOutParametric) {
   DerivedModel m = model("if q > 1 then 5 else 7", "  Real q = p - 0.5;\n");
   TF_ASSERT_DERIVED(m);
