@@ -43,6 +43,8 @@ public:
   void constrain(const double *b, double *z, double *scaled) const;
   // Number of independent constraint rows.
   [[nodiscard]] int rank() const { return rank_; }
+  // The part of a row's length, in the metric of M⁻¹, that is independent of the rows before it, where all are independent.
+  [[nodiscard]] double independentPart(int row) const { return factor_.matrixLLT()(row, row); }
   // The rows that add nothing to those before them: the same ones wherever the same rows depend on each other.
   [[nodiscard]] std::vector<DependentRow> dependentRows() const;
 

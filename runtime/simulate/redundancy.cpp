@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -80,6 +81,30 @@ std::string Redundancy::contradiction(double tolerance) {
   const bool several = names.size() > 1;
   return fmt::format("constraint{} {} contradict{} what {} from: the largest residual is {:.6g}", several ? "s" : "", listed(names),
                      several ? "" : "s", several ? "they follow" : "it follows", worst);
+}
+
+// Where a row holds a share s of what it held, residuals of rounding ε leave the place ε/s undetermined, on which the direction of the
+// motion depends by 1/s again.
+std::string Redundancy::singularity(double tolerance) const {
+  constexpr double harmless = 100;
+  const tf_model &model = at_.model();
+  double weakest = 1;
+  int found = -1;
+  for (int row = 0; row < model.nh && !isPresent(); ++row) {
+    double length = 0;
+    for (int i = 0; i < model.nv; ++i)
+      length = std::max(length, std::abs(at_.constraintJacobian[row * model.nv + i]) * at_.scales.lengths()[i]);
+    const double share = at_.mobility.independentPart(row) * length / at_.scales.residual(row);
+    if (share < weakest) {
+      weakest = share;
+      found = row;
+    }
+  }
+  if (found < 0 || std::numeric_limits<double>::epsilon() <= harmless * tolerance * weakest * weakest)
+    return {};
+  return fmt::format(
+      "at a singular position of constraint {} {} tolerance {:.3g} cannot be met: rounding decides how the mechanism goes on",
+      nameOf(found), sourceOf(constraintOf(found).location), tolerance);
 }
 
 }  // namespace tf::runtime

@@ -23,6 +23,10 @@ public:
   // Constraints that are not satisfied there: "constraints 'a' and 'b' contradict each other …"; empty where all is well. `tolerance` is
   // that of the run: what a constraint that is dependent for an instant only has lost by then is no contradiction.
   std::string contradiction(double tolerance);
+  // "at a singular position of constraint 'a' (m.tf:7) …" where rows that are independent, at the latest evaluation's point, are held so
+  // little, measured by what they are around the start, that rounding of the residuals turns the velocities by far more than `tolerance`:
+  // it would decide on which branch the mechanism goes on.
+  [[nodiscard]] std::string singularity(double tolerance) const;
   // The most rows that have followed from others at once.
   [[nodiscard]] int most() const { return most_; }
 

@@ -110,9 +110,11 @@ tf_status Simulation::Implementation::checkRedundancy() {
   return TF_OK;
 }
 
-// The same of the contradictions at the end of the integrator's step, before its samples are taken.
+// The same of the contradictions at the end of the integrator's step, before its samples are taken, and of singular positions.
 tf_status Simulation::Implementation::checkContradiction() {
   SmoothIntegrator &integrator = integrators_.current();
+  if (const std::string text = redundancy_.singularity(owner_.options.tolerance); !text.empty())
+    return failAt(text);
   if (!redundancy_.isPresent() || !dynamics_.evaluate(integrator.endTime(), integrator.end(), rate_.data()))
     return TF_OK;
   const std::string text = redundancy_.contradiction(owner_.options.tolerance);

@@ -152,6 +152,52 @@ std::string nameOf(const testing::TestParamInfo<tf_integrator> &integrator) {
   return names[integrator.param];
 }
 
+// Flat, it could go on as a parallelogram or as an antiparallelogram. Where steps end so near that rounding would choose, the run ends.
+TEST_P(Constraints, AParallelogramPassesItsFlatPositionOrStopsThere) {
+  CompiledModel linkage(sourceFile("parallelogram.tf", R"(model Parallelogram
+  parameter Real l = 0.4, d = 0.5, start = 0.3;
+  coordinate Real a[2](each start = start, der(each start = -1));
+  coordinate Real th(fixed = false, der(fixed = false));
+  body crank[2](each mass = 1, position = {{l/2*cos(a[i]), l/2*sin(a[i])} for i in 1:2}, angle = a, each inertia = 0.01);
+  body beam(mass = 3, position = {l*cos(a[1]) + d/2*cos(th), l*sin(a[1]) + d/2*sin(th)}, angle = th, inertia = 0.3);
+  gravity weight(acceleration = {0, -9.81});
+  constraint joint(residual = {l*cos(a[1]) + d*cos(th) - d - l*cos(a[2]), l*sin(a[1]) + d*sin(th) - l*sin(a[2])});
+end Parallelogram;
+)"));
+  CompiledModel crank(sourceFile("parallel_crank.tf", R"(model Crank
+  parameter Real l = 0.4, start = 0.3;
+  coordinate Real a(start = start, der(start = -1));
+  body cranks(mass = 2, position = {l/2*cos(a), l/2*sin(a)}, angle = a, inertia = 0.02);
+  body beam(mass = 3, position = {l*cos(a), l*sin(a)});
+  gravity weight(acceleration = {0, -9.81});
+end Crank;
+)"));
+  int passed = 0, stopped = 0;
+  for (const double start : {0.2, 0.3, 0.41}) {
+    ASSERT_EQ(tf_set(crank.simulation(), "start", start), TF_OK);
+    crank.tolerance(1e-12).run(0.6);
+    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
+      SCOPED_TRACE(testing::Message() << start << ", " << tolerance);
+      ASSERT_EQ(tf_set(linkage.simulation(), "start", start), TF_OK);
+      linkage.tolerance(tolerance).integrator(GetParam());
+      try {
+        linkage.run(0.6);
+      } catch (const std::exception &error) {
+        const std::string text = error.what();
+        EXPECT_TRUE(tolerance < 1e-6 && text.find("tolerance") != std::string::npos) << text;
+        ++stopped;
+        continue;
+      }
+      ++passed;
+      for (const char *angle : {"a[1]", "a[2]"})
+        EXPECT_NEAR(linkage[angle], crank["a"], 100 * tolerance + 1e-9);
+      EXPECT_NEAR(linkage["th"], 0, 1e-9);
+    }
+  }
+  EXPECT_GE(passed, 9);
+  EXPECT_GE(stopped, 3);
+}
+
 INSTANTIATE_TEST_SUITE_P(Integrators, Constraints, testing::Values(TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE), nameOf);
 
 TEST(RedundantConstraints, AreCountedAndChangeNothing) {
