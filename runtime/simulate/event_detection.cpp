@@ -477,7 +477,9 @@ bool EventDetection::isUnclear(int guard, const Sample &a, const Sample &middle,
   const double begin = a.value[guard] - zero, value = middle.value[guard] - zero, end = b.value[guard] - zero;
   // The value there may fit by chance, not its rate as well.
   const CubicHermite whole{begin, a.rate[guard], end, b.rate[guard], h};
-  const double error = std::max(std::abs(whole.value(0.5) - value), 0.25 * std::abs(whole.slope(0.5) - h * rate));
+  double error = std::max(std::abs(whole.value(0.5) - value), 0.25 * std::abs(whole.slope(0.5) - h * rate));
+  if (fromEnds_)
+    error = std::max(error, endsError_[guard]);
   const double left = CubicHermite{begin, a.rate[guard], value, rate, 0.5 * h}.interiorMinimum();
   const double right = CubicHermite{value, rate, end, b.rate[guard], 0.5 * h}.interiorMinimum();
   // The cubics on the halves are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow post.
@@ -538,8 +540,8 @@ void EventDetection::examineDip(int guard, const Sample &a, const Sample &middle
 }
 
 // Functions of angles must not turn round unseen between two samples: into so many equal parts the step is divided at least.
-int EventDetection::intervalCount() const {
-  constexpr double most = 1000;
+long long EventDetection::intervalCount() const {
+  constexpr double most = 1e15;  // rates beyond all measure
   const tf_model &model = dynamics_.model().model();
   const double farthest = model.nr > 0 ? 0.5 : 1;  // quaternions turn by half of the angle
   const double h = end_.time - begin_.time;
@@ -547,11 +549,12 @@ int EventDetection::intervalCount() const {
   for (int i = 0; i < model.nq; ++i)
     turn = std::max(turn, std::max(std::abs(integrator_->beginRate()[i]), std::abs(integrator_->endRate()[i])) /
                               integrator_->settings().scale[i]);
-  return std::max(2, static_cast<int>(std::min(std::ceil(h * turn / farthest), most)));
+  return std::max(2LL, static_cast<long long>(std::min(std::ceil(h * turn / farthest), most)));
 }
 
 DetectedEvent EventDetection::detect() {
   cut_ = cut_ && integrator_->endTime() == cutTime_;
+  searchedTo_ = integrator_->endTime();
   if (dynamics_.guards().empty())
     return {};
   begin_.time = integrator_->beginTime();
@@ -611,6 +614,8 @@ DetectedEvent EventDetection::search() {
   }
   if (samplesVarying_)
     examineVarying(first);
+  if (first.guard >= 0 && searchedTo_ < end_.time && first.time > searchedTo_)
+    first = {};
   if (!held_.empty() && first.guard < 0)
     examineHeld(first);
   // The step is to end with this guard: where the others have been positive may be later.
@@ -620,14 +625,14 @@ DetectedEvent EventDetection::search() {
 }
 
 void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
-  const int count = intervalCount();
+  const long long count = intervalCount();
   const double h = end_.time - begin_.time;
   const Sample *before = nullptr, *a = &begin_;
-  for (int i = 1; i <= count && (first.guard < 0 || first.time > a->time); ++i) {
+  for (long long i = 1; i <= count && (first.guard < 0 || first.time > a->time); ++i) {
     const Sample *b = &end_;
     if (i < count) {
       Sample &inner = inner_[i % 3];
-      if (!sampleInside(begin_.time + i * (h / count), withForces, inner))
+      if (!sampleInside(begin_.time + static_cast<double>(i) * (h / static_cast<double>(count)), withForces, inner))
         return;
       b = &inner;
     }

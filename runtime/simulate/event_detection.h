@@ -48,6 +48,8 @@ public:
   [[nodiscard]] bool isCut() const { return cut_; }
   // The first event in the integrator's last step, at whose end the dynamics has just been evaluated.
   DetectedEvent detect();
+  // Without an event: how far the step has been searched. A step in which a guard varies too often is to be shortened to there.
+  [[nodiscard]] double searchedTo() const { return searchedTo_; }
   // A gap, slip or condition is no number at the end of the step.
   [[nodiscard]] bool hasUndefined() const;
   // The step ended without an event: its end is the begin of the next one.
@@ -92,7 +94,7 @@ private:
   void readSlipRates(Sample &sample);
   // On the interpolant; the guards that need forces are NaN where these are left out. False: there are no forces (never without them).
   bool sampleInside(double time, bool withForces, Sample &sample);
-  [[nodiscard]] int intervalCount() const;
+  [[nodiscard]] long long intervalCount() const;
   void examineSamples(bool withForces, DetectedEvent &first);
   [[nodiscard]] bool isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const;
   void interpolate(double time);
@@ -120,6 +122,7 @@ private:
   bool fitCubics();
   bool cubicZero(int guard, DetectedEvent &first) const;
   bool examineEndsAlone(DetectedEvent &first);
+  void measureEnds(const Sample &middle);
   bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth);
   // event_sampling.cpp
   Probe probe(int guard, double time);
@@ -178,15 +181,17 @@ private:
   bool wasPositive_ = false;     // that guard, before the step
   bool rises_ = false;           // it has been found clearly positive in the step
   double limit_ = 0;             // later zeros are not looked for
-  bool watched_ = false;         // a gap or a slip that varies has not left zero yet
-  bool cut_ = false;             // see isCut
+  double searchedTo_ = 0;
+  bool watched_ = false;  // a gap or a slip that varies has not left zero yet
+  bool cut_ = false;      // see isCut
   double cutTime_ = 0;
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
   Sample begin_, end_, shifted_;
-  Sample first_;                 // at the first event found so far
-  std::array<Sample, 3> inner_;  // the latest ones
-  std::vector<Sample> pool_;     // one middle for each depth of the search
+  Sample first_;                   // at the first event found so far
+  std::array<Sample, 3> inner_;    // the latest ones
+  std::vector<Sample> pool_;       // one middle for each depth of the search
+  std::vector<double> endsError_;  // of guards, while fromEnds_
   std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_, boxCenter_, boxRadius_;
 };
 

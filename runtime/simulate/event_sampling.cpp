@@ -17,8 +17,10 @@ namespace {
 constexpr double division = 0.4619397662556434;
 // Divisions: the smallest intervals are some 1e-8 of the step.
 constexpr int deepest = 30;
-// Divisions for one guard in one step, so that rounding errors of a guard that stays at zero do not take for ever.
+// Divisions for one guard in one step. A guard that takes more oscillates too often for the step, or stays at zero but for the errors of
+// the interpolant: then it has led to no more than this part of the step, or changes by less than the tolerance where it is divided.
 constexpr int mostDivisions = 100000;
+constexpr double noProgress = 1e-4;
 // Differences for the rates, in parts of the step; times that differ by less are not told apart well enough.
 constexpr double difference = 1e-6, roundingOfTimes = 4096 * std::numeric_limits<double>::epsilon();
 
@@ -97,7 +99,7 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
   const double error = std::max(0.3 * misfit, 0.1 * coarser);
   const double reach = h * std::max({std::abs(a.rate), std::abs(inside.rate), std::abs(b.rate)});
   const bool isResolved = misfit <= 0.02 * reach;
-  const bool isFinest = depth >= deepest || ++divisions_ > mostDivisions;
+  const bool areEnough = depth < deepest && ++divisions_ > mostDivisions, isFinest = depth >= deepest || areEnough;
   const double leave = threshold(guard);
   rises_ = rises_ || std::max(a.value, inside.value) > leave;
   for (const auto &[low, high] : {std::pair{&a, &inside}, std::pair{&inside, &b}}) {
@@ -113,6 +115,13 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
     const double least = std::abs(low->value) <= leave && low->rate > 0 ? part.leastSecant() : lowest - zero;
     if ((isResolved && least > error) || lowest - zero > 5 * (reach + misfit))
       continue;
+    const double searched = low->time - begin_.time;
+    const bool oscillates = reach > integrator_->settings().tolerance * dynamics_.guards()[guard].scale;
+    if (areEnough && oscillates && searched > noProgress * (end_.time - begin_.time)) {
+      limit_ = low->time;
+      searchedTo_ = std::min(searchedTo_, begin_.time + 0.5 * searched);
+      return;
+    }
     // Below zero, if the guard has been positive, as it may have been before the step, which may begin within rounding of the zero; else
     // clearly.
     const bool comesFromAbove = (zero < 0 && !rises_) || low->value > leave || wasPositive_;

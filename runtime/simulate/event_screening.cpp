@@ -107,6 +107,7 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
   fromEnds_ = true;
   Sample &middle = inner_[0];
   (void)sampleInside(0.5 * (begin_.time + end_.time), false, middle);
+  measureEnds(middle);
   bool isClear = othersStayPositive(falling, begin_, middle, 1) && othersStayPositive(falling, middle, end_, 1);
   if (falling >= 0 && isClear) {
     isClear = std::max({begin_.rate[falling], middle.rate[falling], end_.rate[falling]}) < 0;
@@ -115,6 +116,17 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
   }
   fromEnds_ = false;
   return isClear;
+}
+
+// What the curve through the states and rates at the ends may be off by, in each guard: a part of how far it is from the cubic through the
+// guard's values and rates there, which is of an order less by two.
+void EventDetection::measureEnds(const Sample &middle) {
+  constexpr double part = 0.1;
+  const double h = end_.time - begin_.time;
+  endsError_.resize(middle.value.size());
+  for (const int k : awake_)
+    endsError_[k] =
+        part * std::abs(CubicHermite{begin_.value[k], begin_.rate[k], end_.value[k], end_.rate[k], h}.value(0.5) - middle.value[k]);
 }
 
 // All guards with rates but one, by samples from the ends of the step. False: it is not clear.

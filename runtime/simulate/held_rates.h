@@ -12,7 +12,7 @@ struct HeldRate {
   enum class Kind : std::uint8_t { None, Gap, Slip, Constraint };
   Kind kind = Kind::None;
   int element = -1;  // contact, tangential row or constraint
-  double size = 0;   // relative to its scale (contact_scales.h)
+  double size = 0;
 };
 
 // The largest of them at (time, state), which becomes the evaluation's point.

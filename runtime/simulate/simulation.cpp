@@ -408,7 +408,14 @@ tf_status Simulation::Implementation::step(double limit) {
   SmoothIntegrator &integrator = integrators_.current();
   if (const tf_status projected = projectEnd(); projected != TF_OK)
     return projected;
-  const DetectedEvent event = detection_.detect();
+  DetectedEvent event = detection_.detect();
+  while (event.guard < 0 && detection_.searchedTo() < integrator.endTime()) {
+    if (!integrator.shorten(detection_.searchedTo()))
+      return failStep(StepStatus::TooSmall);
+    if (const tf_status projected = projectEnd(); projected != TF_OK)
+      return projected;
+    event = detection_.detect();
+  }
   if (event.guard >= 0)
     return handle(event, limit);
   if (detection_.hasUndefined())

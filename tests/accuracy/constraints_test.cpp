@@ -184,7 +184,10 @@ end Crank;
         linkage.run(0.6);
       } catch (const std::exception &error) {
         const std::string text = error.what();
-        EXPECT_TRUE(tolerance < 1e-6 && text.find("tolerance") != std::string::npos) << text;
+        // CVODE's steps come to rounding there, over which the constraint's derivative may seem to jump.
+        const bool isTold =
+            text.find("tolerance") != std::string::npos || (GetParam() == TF_CVODE && text.find("jumps") != std::string::npos);
+        EXPECT_TRUE(tolerance < 1e-6 && isTold) << text;
         ++stopped;
         continue;
       }

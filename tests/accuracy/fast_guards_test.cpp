@@ -185,6 +185,66 @@ end ShakingFloor;
   });
 }
 
+// A parabola over many thousand periods of the table, of which one step would take more samples than are taken of a step.
+TEST(FastGuards, TableThatVibratesThroughALongFlight) {
+  const std::string file = sourceFile("vibrating_table.tf", R"(
+model VibratingTable
+  parameter Real om = 1e5;
+  coordinate Real y(start = 1);
+  body b(mass = 1, position = y);
+  force weight(value = -0.1, at = y);
+  contact table(gap = y - 0.01*sin(om*time), restitution = 0.5);
+end VibratingTable;
+)");
+  for (const double frequency : {5e4, 6e4, 1e5, 2e5}) {
+    const auto gap = [&](double t) { return 1 - 0.05 * t * t - 0.01 * std::sin(frequency * t); };
+    double first = 4.44;  // the parabola is above 0.01 before
+    while (gap(first) > 0)
+      first += 0.001 / frequency;
+    first = bisect(gap, first - 0.001 / frequency, first);
+    for (const double end : {6.0, 4.6}) {
+      CompiledModel model(file, {{"om", frequency}});
+      model.tolerance(1e-9).run(end);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), first, 1e-10) << frequency << ", " << end;
+    }
+  }
+}
+
+// A rotor whose centre drifts to a wall, L − V t − r cos ω t, and one that is thrown over a floor: all is uniform, and one step would turn
+// by up to a million radians.
+TEST(FastGuards, RotorsThatTurnThousandsOfTimesInAFlight) {
+  const std::string file = sourceFile("drifting_rotor.tf", R"(
+model DriftingRotor
+  parameter Real om = 1e4, v = 0.01, r = 0.01, l = 1, g = 0;
+  coordinate Real x(der(start = v)), phi(der(start = om));
+  body carrier(mass = 1, position = x);
+  body rotor(angle = phi, inertia = 1);
+  force weight(value = g, at = x);
+  contact wall(gap = l - x - r*cos(phi), restitution = 0.5);
+end DriftingRotor;
+)");
+  struct Case {
+    double om, v, r, l, g, end;
+  };
+  for (const Case &one : {Case{1e4, 0.01, 0.01, 1, 0, 99.5}, Case{1e4, 0.01, 0.01, 1, 0, 100},
+                          Case{6780.974563486473, 0.677503364550399, 0.015021407073201733, 2.0874891672151312, 0, 3.5571682835394},
+                          Case{1440.9213892623914, 0, 0.01915189901984154, 1.8624727607452185, 0.1, 8.7494},
+                          Case{1440.9213892623914, 0, 0.01915189901984154, 1.8624727607452185, 0.1, 8.8}}) {
+    const auto gap = [&](double t) { return one.l - one.v * t - 0.5 * one.g * t * t - one.r * std::cos(one.om * t); };
+    // When the centre is within r of the wall.
+    const double path = one.l - one.r;
+    double first = one.g > 0 ? std::sqrt(2 * path / one.g) : path / one.v;
+    while (gap(first) > 0)
+      first += 0.001 / one.om;
+    first = bisect(gap, first - 0.001 / one.om, first);
+    for (const tf_integrator integrator : {TF_AUTO, TF_EXPLICIT}) {
+      CompiledModel model(file, {{"om", one.om}, {"v", one.v}, {"r", one.r}, {"l", one.l}, {"g", one.g}});
+      model.tolerance(1e-9).integrator(integrator).run(one.end);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), first, 1e-9) << one.om << ", " << one.end;
+    }
+  }
+}
+
 // An input that is a fast function of time reaches a condition.
 TEST(FastGuards, ConditionOfAnInput) {
   const std::string file = sourceFile("signal.tf", R"(
