@@ -5,9 +5,15 @@
 #include "runtime/integrate/smooth_integrator.h"
 
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace tf::runtime {
+
+// Of applied forces, inputs, moving boundaries and constraints, and of friction (a loss), at a time.
+struct Power {
+  double time = std::numeric_limits<double>::quiet_NaN(), work = 0, friction = 0;
+};
 
 // In units of energy, since the start of the run.
 struct EnergyTotals {
@@ -19,6 +25,8 @@ struct EnergyTotals {
   double estimatedTime = 0;
   double largest = 1;  // kinetic or potential energy seen so far
   double passed = 0;   // work that was done either way, and losses
+  // At the ends of the last step of the stabilised method, and at the begin of the one before, where the powers went on without a jump.
+  Power earlier, begin, end;
 };
 
 class EnergyBalance {
@@ -61,6 +69,9 @@ private:
   };
 
   void note(const Energy &energy);
+  bool readPower(double time, const double *state, Power &power);
+  bool readEnds(SmoothIntegrator &integrator);
+  [[nodiscard]] Passage integrateEnds(double begin, double end) const;
   Energy energyInside(SmoothIntegrator &integrator, double time);
   double reversed(double time, const double *state);
   double inputPower(double potential);
