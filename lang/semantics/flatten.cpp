@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <set>
 
 namespace tf::semantics {
@@ -262,24 +263,39 @@ private:
   void readSetting(Class &model, const ast::Argument &setting) {
     if (setting.path.parts.size() != 1 || setting.modification == nullptr || setting.modification->value == nullptr)
       return;
-    const std::string_view name = setting.path.parts[0].name.text;
+    const ast::Name &name = setting.path.parts[0].name;
     flat::Experiment &experiment = context_.model.experiment;
-    std::optional<double> *target = name == "StartTime"   ? &experiment.startTime
-                                    : name == "StopTime"  ? &experiment.stopTime
-                                    : name == "Tolerance" ? &experiment.tolerance
-                                    : name == "Interval"  ? &experiment.interval
-                                                          : nullptr;
-    if (target == nullptr)
+    std::optional<double> *target = name.text == "StartTime"   ? &experiment.startTime
+                                    : name.text == "StopTime"  ? &experiment.stopTime
+                                    : name.text == "Tolerance" ? &experiment.tolerance
+                                    : name.text == "Interval"  ? &experiment.interval
+                                                               : nullptr;
+    if (target == nullptr) {
+      static const std::array<std::string, 4> known = {"StartTime", "StopTime", "Tolerance", "Interval"};
+      if (!name.text.starts_with("__"))
+        context_.diagnostics.report(diag::ExperimentSetting, name.span, name.text).suggest(name.text, known);
       return;
+    }
     const ast::Expr &written = *setting.modification->value;
     const ExprPtr typed = typeExpression(context_, written, Scope{&model, nullptr, false});
     if (typed == nullptr)
       return;
-    const auto value = isNumeric(typed->type.base) && typed->type.dims.empty() ? constantValue(context_, *typed) : std::nullopt;
-    if (value)
-      *target = (*value)[0];
+    const bool isTolerance = name.text == "Tolerance", isInterval = name.text == "Interval";
+    const std::string_view wanted = isTolerance ? "between 0 and 1" : isInterval ? "a positive number" : "a finite number";
+    if (!isNumeric(typed->type.base) || !typed->type.dims.empty()) {
+      context_.diagnostics.report(diag::ExperimentValue, written.span, name.text, wanted, toString(typed->type));
+      return;
+    }
+    const auto value = constantValue(context_, *typed);
+    if (!value) {
+      reportNotConstant(context_, *typed, written.span, fmt::format("'{}'", name.text));
+      return;
+    }
+    const double number = (*value)[0];
+    if (!std::isfinite(number) || ((isTolerance || isInterval) && !(number > 0)) || (isTolerance && !(number < 1)))
+      context_.diagnostics.report(diag::ExperimentValue, written.span, name.text, wanted, fmt::format("{:.6g}", number));
     else
-      reportNotConstant(context_, *typed, written.span, fmt::format("'{}'", name));
+      *target = number;
   }
 
   Context &context_;
