@@ -36,7 +36,7 @@ ExprPtr typeBinding(Context &context, const Binding &binding) {
 }
 
 ExprPtr typeShapedBinding(Context &context, const Binding &binding, bool isEach, Base base, const std::vector<int> &dims,
-                          std::string_view name) {
+                          std::string_view name, bool isDeclared) {
   ExprPtr value = typeBinding(context, binding);
   if (value == nullptr)
     return nullptr;
@@ -54,7 +54,7 @@ ExprPtr typeShapedBinding(Context &context, const Binding &binding, bool isEach,
   if (isEach && dims.empty() && !binding.isWithinArray)
     context.diagnostics.report(diag::EachOnScalar, binding.span, name);
   if (isEach ? !isSuffix(given, covered) : given != covered) {
-    if (given.empty() && !isEach)
+    if (given.empty() && !isEach && !isDeclared)
       context.diagnostics.report(diag::ScalarWithoutEach, value->span, name, toString({base, covered}), toString(value->type));
     else
       context.diagnostics.report(diag::ShapeMismatch, value->span, name, toString({base, covered}), toString(value->type));
@@ -70,7 +70,9 @@ ExprPtr bindingOf(Context &context, Component &component) {
   if (component.modifier && component.modifier->binding && component.isLeaf()) {
     const Binding &binding = *component.modifier->binding;
     const Type type = typeOf(component);
-    component.binding = typeShapedBinding(context, binding, binding.isEach, type.base, type.dims, component.name);
+    const ast::Modification *declared = component.declaration->modification;
+    component.binding = typeShapedBinding(context, binding, binding.isEach, type.base, type.dims, component.name,
+                                          declared != nullptr && declared->value == binding.expression);
     component.isBindingWrong = component.binding == nullptr;
   }
   component.bindingProgress = Progress::Done;

@@ -33,8 +33,8 @@ bool resolve(Context &context, Component &component);
 [[nodiscard]] ExprPtr typeBinding(Context &context, const Binding &binding);
 
 // Types a binding of an attribute or value of something with dimensions `dims` (of it, `ownDims` are the component's own): broadcasts
-// `each`, checks the shape. `name` for messages.
+// `each`, checks the shape. `name` for messages; `isDeclared`: it stands in the declaration itself, where there is no `each`.
 [[nodiscard]] ExprPtr typeShapedBinding(Context &context, const Binding &binding, bool isEach, Base base, const std::vector<int> &dims,
-                                        std::string_view name);
+                                        std::string_view name, bool isDeclared = false);
 
 }  // namespace tf::semantics
