@@ -112,6 +112,8 @@ tf_status Simulation::Implementation::checkRedundancy() {
 
 // The same of the contradictions at the end of the integrator's step, before its samples are taken, and of singular positions.
 tf_status Simulation::Implementation::checkContradiction() {
+  if (model_.nh == 0)
+    return TF_OK;
   SmoothIntegrator &integrator = integrators_.current();
   if (const std::string text = redundancy_.singularity(owner_.options.tolerance); !text.empty())
     return failAt(text);
