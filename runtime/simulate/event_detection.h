@@ -181,9 +181,9 @@ private:
   bool wasPositive_ = false;     // that guard, before the step
   bool rises_ = false;           // it has been found clearly positive in the step
   double limit_ = 0;             // later zeros are not looked for
-  double searchedTo_ = 0;
-  bool watched_ = false;  // a gap or a slip that varies has not left zero yet
-  bool cut_ = false;      // see isCut
+  double searchedTo_ = 0;        // see searchedTo()
+  bool watched_ = false;         // a gap or a slip that varies has not left zero yet
+  bool cut_ = false;             // see isCut
   double cutTime_ = 0;
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero

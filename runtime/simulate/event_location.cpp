@@ -127,7 +127,7 @@ bool EventDetection::findEarlier(DetectedEvent &event) {
 }
 
 bool EventDetection::returnToGap(int guard) {
-  constexpr double visible = 1e-12, farthest = 1e-2;  // of the gap's scale, of the step
+  constexpr double visible = 1e-12, farthest = 1e-4;  // of the gap's scale, of the step
   const Guard &g = dynamics_.guards()[guard];
   if (g.kind != GuardKind::Gap || !dynamics_.needsProjection())
     return false;
