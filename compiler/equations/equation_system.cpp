@@ -353,24 +353,28 @@ void EquationSystem::makeDiscontinuous(NodeId node) {
         switching.kind = SwitchKind::Sliding;
 }
 
-void EquationSystem::inlineContinuousSwitches(std::span<const NodeId> acting) {
-  std::vector<char> isLocated(switches_.size(), 0);
+std::vector<NodeId> EquationSystem::inlineContinuousSwitches(std::span<const NodeId> acting) {
+  const auto isKink = [](const Switch &one) { return one.kind == SwitchKind::Continuous; };
+  std::vector<char> isLocated;
+  for (const Switch &one : switches_)
+    isLocated.push_back(isKink(one) ? 0 : 1);
   const auto locate = [&](std::span<const NodeId> nodes) {
-    for (const auto &symbols : ir::dependencies(graph_, nodes))
-      for (const Symbol symbol : symbols)
-        if (symbol.kind == SymbolKind::StepVariable)
-          isLocated[static_cast<std::size_t>(symbol.index)] = 1;
+    (void)ir::dependsOn(graph_, nodes, [&](Symbol symbol) {
+      if (symbol.kind == SymbolKind::StepVariable)
+        isLocated[static_cast<std::size_t>(symbol.index)] = 1;
+      return false;
+    });
   };
-  locate(resolve(acting));
-  locate(stateDerivatives_);
+  if (std::ranges::any_of(switches_, isKink)) {
+    locate(acting);
+    locate(stateDerivatives_);
+  }
   // A condition depends on step variables before its own alone.
   for (std::size_t k = switches_.size(); k-- > 0;)
-    if (isLocated[k] != 0 || switches_[k].kind != SwitchKind::Continuous) {
-      isLocated[k] = 1;
+    if (isLocated[k] != 0)
       locate(std::array{switches_[k].condition});
-    }
   if (std::ranges::find(isLocated, 0) == isLocated.end())
-    return;
+    return {acting.begin(), acting.end()};
 
   std::vector<NodeId> steps;  // of all, in terms of those that stay
   std::vector<int> numbers;
@@ -398,6 +402,7 @@ void EquationSystem::inlineContinuousSwitches(std::span<const NodeId> acting) {
   switches_ = std::move(located);
   definitions_ = replace(definitions_);
   stateDerivatives_ = replace(stateDerivatives_);
+  return replace(acting);
 }
 
 // A number; no event.

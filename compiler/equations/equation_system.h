@@ -56,9 +56,9 @@ public:
   [[nodiscard]] const std::vector<Switch> &switches() const { return switches_; }
   // The derivative of `node` is used: where abs, min or max in it has a kink, its derivative jumps, and sliding is possible.
   void makeDiscontinuous(ir::NodeId node);
-  // Continuous switches that nothing `acting` depends on become relations: results have kinks there, no motion has, and no step need end.
-  // Numbers of step variables change; `acting` are not resolved yet.
-  void inlineContinuousSwitches(std::span<const ir::NodeId> acting);
+  // Continuous switches that neither the resolved nodes `acting` nor states depend on become relations: results have kinks there, no motion
+  // has, and no step need end. The same nodes in terms of the step variables as they are numbered then.
+  [[nodiscard]] std::vector<ir::NodeId> inlineContinuousSwitches(std::span<const ir::NodeId> acting);
   // The equation that determines an unknown.
   [[nodiscard]] const ScalarEquation &equationOf(int unknown) const {
     return equations_[static_cast<std::size_t>(equationOf_[static_cast<std::size_t>(unknown)])];

@@ -86,17 +86,17 @@ void takeOver(mechanics::Derivation &d) {
   system.nu = d.variables.count(Role::Input);
   system.np = d.variables.count(Role::Parameter);
   std::vector<NodeId> nodes;
-  for (const mechanics::PotentialEntry &potential : d.elements.potentials)
-    nodes.push_back(potential.energy);
-  for (const NodeId energy : d.equations.resolve(nodes))
-    d.equations.makeDiscontinuous(energy);  // its gradient acts
-  nodes.clear();
   d.elements.forEachNode([&](NodeId &node) { nodes.push_back(node); });
-  d.equations.inlineContinuousSwitches(nodes);
-  nodes = d.equations.resolve(nodes);
+  const auto become = [&](std::vector<NodeId> others) {
+    nodes = std::move(others);
+    std::size_t next = 0;
+    d.elements.forEachNode([&](NodeId &node) { node = nodes[next++]; });
+  };
+  become(d.equations.resolve(nodes));
+  for (const mechanics::PotentialEntry &potential : d.elements.potentials)
+    d.equations.makeDiscontinuous(potential.energy);  // its gradient acts
+  become(d.equations.inlineContinuousSwitches(nodes));
   system.stateDerivatives = d.equations.stateDerivatives();
-  std::size_t next = 0;
-  d.elements.forEachNode([&](NodeId &node) { node = nodes[next++]; });
   for (const equations::Switch &switching : d.equations.switches())
     system.switches.push_back(
         {switching.text, switching.span, switching.condition, switchKind(switching.kind), switching.zeroIsPositive, switching.of});

@@ -163,13 +163,7 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator, double begin, double e
   const double length = end - begin;
   // Inside a step of the stabilised method what is stiff is not resolved: the states there are as near as the tolerance wants, the powers
   // of a stiff damper in them are not.
-  if (integrator.isStabilised() && readEnds(integrator)) {
-    const Passage passage = integrateEnds(begin, end);
-    totals_.frictionLoss += passage.frictionLoss;
-    totals_.work += passage.work;
-    totals_.passed += passage.passed;
-    return;
-  }
+  const bool usesEnds = integrator.isStabilised() && readEnds(integrator);
   const bool isWhole = begin == integrator.beginTime() && end == integrator.endTime();
   // Between the stages of a method that follows a slip of two components from zero its direction, out of small differences, is poor.
   const Quadrature stages = integrator.quadrature();
@@ -177,10 +171,10 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator, double begin, double e
   // Of a small part; its energies tell whether that was enough.
   const bool isShort = length < 0.5 * (integrator.endTime() - integrator.beginTime());
   const Quadrature rule = usesStages ? stages : isShort ? Quadrature{shortNodes, shortWeights} : Quadrature{legendreNodes, legendreWeights};
-  Passage passage = integrate(integrator, rule, begin, length);
+  Passage passage = usesEnds ? integrateEnds(begin, end) : integrate(integrator, rule, begin, length);
   if (passage.known < 1 - *std::min_element(rule.weights.begin(), rule.weights.end()) / 2) {
     totals_.estimatedTime += length;
-  } else if (!usesStages) {
+  } else if (!usesEnds && !usesStages) {
     const double change = energyInside(integrator, end).mechanical() - energyInside(integrator, begin).mechanical();
     const double accepted = part * integrator.settings().tolerance * std::max(totals_.largest, totals_.passed);
     if (std::abs(passage.work - passage.frictionLoss - change) > clear * accepted)

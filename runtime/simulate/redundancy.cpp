@@ -87,10 +87,12 @@ std::string Redundancy::contradiction(double tolerance) {
 // motion depends by 1/s again.
 std::string Redundancy::singularity(double tolerance) const {
   constexpr double harmless = 100;
+  if (isPresent())
+    return {};
   const tf_model &model = at_.model();
   double weakest = 1;
   int found = -1;
-  for (int row = 0; row < model.nh && !isPresent(); ++row) {
+  for (int row = 0; row < model.nh; ++row) {
     double length = 0;
     for (int i = 0; i < model.nv; ++i)
       length = std::max(length, std::abs(at_.constraintJacobian[row * model.nv + i]) * at_.scales.lengths()[i]);

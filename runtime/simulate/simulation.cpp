@@ -110,8 +110,8 @@ tf_status Simulation::Implementation::checkRedundancy() {
   return TF_OK;
 }
 
-// The same of the contradictions at the end of the integrator's step, before its samples are taken, and of singular positions.
-tf_status Simulation::Implementation::checkContradiction() {
+// At the end of the integrator's step, before its samples are taken: no contradictions, no singular position.
+tf_status Simulation::Implementation::checkConstraints() {
   if (model_.nh == 0)
     return TF_OK;
   SmoothIntegrator &integrator = integrators_.current();
@@ -337,7 +337,7 @@ tf_status Simulation::Implementation::commit() {
   if (dynamics_.metNegativeFriction())
     if (const tf_status status = checkFriction(); status != TF_OK)
       return status;
-  if (const tf_status status = checkContradiction(); status != TF_OK)
+  if (const tf_status status = checkConstraints(); status != TF_OK)
     return status;
   const bool isSampled = nextSample_ < integrator.endTime();
   // Directions that are held where a slip stops do not turn for motions nearby, whose slips do.

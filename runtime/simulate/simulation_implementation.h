@@ -119,7 +119,7 @@ private:
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();
-  tf_status checkContradiction();
+  tf_status checkConstraints();
   void enterSegment();
   bool skipTo(double limit);
   [[nodiscard]] std::string rapidSwitch();

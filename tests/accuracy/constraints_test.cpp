@@ -184,10 +184,11 @@ end Crank;
         linkage.run(0.6);
       } catch (const std::exception &error) {
         const std::string text = error.what();
-        // CVODE's steps come to rounding there, over which the constraint's derivative may seem to jump.
-        const bool isTold =
-            text.find("tolerance") != std::string::npos || (GetParam() == TF_CVODE && text.find("jumps") != std::string::npos);
-        EXPECT_TRUE(tolerance < 1e-6 && isTold) << text;
+        EXPECT_LT(tolerance, 1e-6) << text;
+        // CVODE's steps come to rounding before.
+        if (GetParam() != TF_CVODE) {
+          EXPECT_NE(text.find("at a singular position of constraint 'joint["), std::string::npos) << text;
+        }
         ++stopped;
         continue;
       }
