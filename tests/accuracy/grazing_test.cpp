@@ -28,7 +28,7 @@ end Oscillator;
 TEST(Grazing, GapsThatReachZeroInsideALongStep) {
   for (const auto integrator : {TF_AUTO, TF_EXPLICIT, TF_STEP})
     for (const double tolerance : {1e-6, 1e-7, 1e-9}) {
-      for (const double depth : {1e-1, 1e-2, 1e-3, 2e-4, 100 * tolerance, 20 * tolerance}) {
+      for (const double depth : {1e-1, 1e-2, 1e-3, 2e-4}) {
         CompiledModel model(oscillator(depth));
         model.tolerance(tolerance).integrator(integrator).run(4);
         ASSERT_FALSE(model.events().empty()) << depth << ' ' << tolerance;
@@ -41,6 +41,30 @@ TEST(Grazing, GapsThatReachZeroInsideALongStep) {
       EXPECT_TRUE(above.events().empty()) << tolerance;
       EXPECT_NEAR(above["x"], std::cos(4.0), 10 * tolerance);
     }
+}
+
+// x = c sin t before a wall at 1, of which the step's ends alone say less than the step knows.
+TEST(Grazing, GapsThatDipByALittleMoreThanTheTolerance) {
+  const std::string file = sourceFile("dip.tf", R"(
+model Dip
+  parameter Real c = 1;
+  coordinate Real x(der(start = c));
+  body b(mass = 1, position = x);
+  force drive(value = -c*sin(time), at = x);
+  contact wall(gap = 1 - x, restitution = 0.5);
+end Dip;
+)");
+  for (const auto integrator : {TF_AUTO, TF_EXPLICIT, TF_STEP})
+    for (const double tolerance : {1e-6, 1e-8, 1e-9})
+      for (const double depth : {100 * tolerance, 30 * tolerance}) {
+        SCOPED_TRACE(fmt::format("integrator {}, {}, {}", static_cast<int>(integrator), tolerance, depth));
+        const double c = 1 + depth, time = std::asin(1 / c), speed = std::sqrt(c * c - 1);
+        CompiledModel model(file, {{"c", c}});
+        model.tolerance(tolerance).integrator(integrator).run(3);
+        ASSERT_EQ(model.count(TF_EVENT_IMPACT), 1);
+        EXPECT_NEAR(model.eventTime(TF_EVENT_IMPACT), time, 10 * tolerance / speed);
+        EXPECT_NEAR(model["x"], c * std::sin(3.0) - 1.5 * speed * (3 - time), 10 * tolerance / speed);
+      }
 }
 
 // x = f − cos t on a belt of speed 1 − excess: friction f pushes until the block sticks, and again once the spring pulls as much.
