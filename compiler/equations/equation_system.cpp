@@ -355,9 +355,8 @@ void EquationSystem::makeDiscontinuous(NodeId node) {
 
 std::vector<NodeId> EquationSystem::inlineContinuousSwitches(std::span<const NodeId> acting) {
   const auto isKink = [](const Switch &one) { return one.kind == SwitchKind::Continuous; };
-  std::vector<char> isLocated;
-  for (const Switch &one : switches_)
-    isLocated.push_back(isKink(one) ? 0 : 1);
+  std::vector<char> isLocated(switches_.size());
+  std::ranges::transform(switches_, isLocated.begin(), [&](const Switch &one) { return isKink(one) ? 0 : 1; });
   const auto locate = [&](std::span<const NodeId> nodes) {
     (void)ir::dependsOn(graph_, nodes, [&](Symbol symbol) {
       if (symbol.kind == SymbolKind::StepVariable)
