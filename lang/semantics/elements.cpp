@@ -208,7 +208,7 @@ public:
   void run() {
     for (const AttributeSpec &spec : predefined_.attributes)
       addAttribute(spec);
-    if (!hasUnknownAttribute())
+    if (!hasMisplacedAttribute())
       checkRequired();
   }
 
@@ -268,11 +268,12 @@ private:
 
   [[nodiscard]] bool has(std::string_view attribute) const { return givenAttribute(element_, attribute) != nullptr; }
 
-  // A misspelt attribute was reported; that it is missing under its right name would be a cascade.
-  [[nodiscard]] bool hasUnknownAttribute() const {
-    return element_.leaf->leafModifier && std::ranges::any_of(element_.leaf->leafModifier->children, [&](const ModifierPtr &child) {
-             return predefined_.attribute(child->name) == nullptr;
-           });
+  // An attribute that is misspelt or given as the element's value was reported; that it is missing would be a cascade.
+  [[nodiscard]] bool hasMisplacedAttribute() const {
+    const ModifierPtr &given = element_.leaf->leafModifier;
+    return (element_.modifier && element_.modifier->binding) ||
+           (given &&
+            std::ranges::any_of(given->children, [&](const ModifierPtr &child) { return predefined_.attribute(child->name) == nullptr; }));
   }
 
   void require(std::string_view attribute) {

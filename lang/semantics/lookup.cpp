@@ -26,26 +26,31 @@ Found lookupImported(Context &context, const ast::Reference &reference, std::siz
   return found;
 }
 
+// The import gives the class that it stands in this name.
+bool introduces(const ast::Import &import, std::string_view name) {
+  const std::size_t count = import.name.parts.size();
+  switch (import.kind) {
+  case ast::ImportKind::Qualified:
+    return count > 0 && import.name.parts[count - 1].name.text == name;
+  case ast::ImportKind::Renaming:
+    return import.alias.text == name;
+  case ast::ImportKind::List:
+    return std::ranges::any_of(import.names, [&](const ast::Name &entry) { return entry.text == name; });
+  case ast::ImportKind::Unqualified:
+    return false;
+  }
+  return false;
+}
+
 Found lookupImports(Context &context, const Class &scope, std::string_view name) {
   for (const ast::Import *import : scope.imports) {
-    const std::size_t count = import->name.parts.size();
-    switch (import->kind) {
-    case ast::ImportKind::Qualified:
-      if (count > 0 && import->name.parts[count - 1].name.text == name)
-        return lookupImported(context, import->name, count);
-      break;
-    case ast::ImportKind::Renaming:
-      if (import->alias.text == name)
-        return lookupImported(context, import->name, count);
-      break;
-    case ast::ImportKind::List:
-      if (std::any_of(import->names.begin(), import->names.end(), [&](const ast::Name &entry) { return entry.text == name; }))
-        if (const Found package = lookupImported(context, import->name, count); package.type != nullptr)
-          return lookupMember(context, *package.type, name);
-      break;
-    case ast::ImportKind::Unqualified:
-      break;
-    }
+    if (!introduces(*import, name))
+      continue;
+    const Found found = lookupImported(context, import->name, import->name.parts.size());
+    if (import->kind != ast::ImportKind::List)
+      return found;
+    if (found.type != nullptr)
+      return lookupMember(context, *found.type, name);
   }
   for (const ast::Import *import : scope.imports)
     if (import->kind == ast::ImportKind::Unqualified)
@@ -81,7 +86,8 @@ void reportUnknownClass(Context &context, Class &scope, const ast::Reference &re
           .suggest(name.text, memberNames(context, *container));
     return;
   }
-  context.diagnostics.report(diag::UnknownClass, name.span, name.text).suggest(name.text, visibleNames(context, scope));
+  if (!reportFailedImport(context, scope, name.text))
+    context.diagnostics.report(diag::UnknownClass, name.span, name.text).suggest(name.text, visibleNames(context, scope));
 }
 
 }  // namespace
@@ -185,6 +191,18 @@ void checkImports(Context &context, const Class &scope) {
         context.diagnostics.report(diag::UnknownClassMember, name.span, name.text, container->name)
             .suggest(name.text, memberNames(context, *container));
   }
+}
+
+bool reportFailedImport(Context &context, const Class &scope, std::string_view name) {
+  for (const Class *current = &scope; current != nullptr && current != context.root; current = current->parent) {
+    if (std::ranges::any_of(current->imports, [&](const ast::Import *import) { return introduces(*import, name); })) {
+      checkImports(context, *current);
+      return true;
+    }
+    if (current->definition != nullptr && current->definition->isEncapsulated)
+      return false;
+  }
+  return false;
 }
 
 Class *lookupQualified(Context &context, std::string_view dottedName) {

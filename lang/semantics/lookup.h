@@ -34,6 +34,8 @@ enum class Files : std::uint8_t { Search, Ignore };
 
 // Reports imports of a class that lead nowhere.
 void checkImports(Context &context, const Class &scope);
+// Whether an import that leads nowhere would give the name, which was looked up from `scope` in vain: the import is reported then.
+[[nodiscard]] bool reportFailedImport(Context &context, const Class &scope, std::string_view name);
 
 // Names visible from `scope`, for suggestions.
 [[nodiscard]] std::vector<std::string> visibleNames(Context &context, Class &scope);

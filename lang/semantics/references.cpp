@@ -25,8 +25,9 @@ public:
     const Found found = reference_.leadingDot ? lookupRoot(context_, first.text, files)
                                               : lookupSimple(context_, *typer_.scope().enclosing, first.text, files);
     if (!found) {
-      context_.diagnostics.report(diag::UnknownName, first.span, first.text)
-          .suggest(first.text, visibleNames(context_, *typer_.scope().enclosing));
+      if (reference_.leadingDot || !reportFailedImport(context_, *typer_.scope().enclosing, first.text))
+        context_.diagnostics.report(diag::UnknownName, first.span, first.text)
+            .suggest(first.text, visibleNames(context_, *typer_.scope().enclosing));
       return nullptr;
     }
     isEnclosing_ = found.isEnclosing;
