@@ -78,6 +78,12 @@ private:
   struct Probe {
     double time = 0, value = 0, rate = 0;
   };
+  // How well an interval's ends predict what is inside it: what the cubic through them misses, and what the line through them does here and
+  // in the intervals around, the largest one first.
+  struct Fit {
+    double misfit = std::numeric_limits<double>::infinity();
+    std::array<double, 8> scatter{};
+  };
 
   [[nodiscard]] bool isCurrent() const;
   [[nodiscard]] bool opensAtSpeed(int guard, double partOfRounding) const;
@@ -130,7 +136,7 @@ private:
   [[nodiscard]] bool samplesVarying();
   [[nodiscard]] bool isSampled(int guard) const { return samplesVarying_ && dynamics_.guards()[guard].varies; }
   void examineVarying(DetectedEvent &first);
-  void divide(int guard, const Probe &a, const Probe &b, double coarser, int depth, DetectedEvent &first);
+  void divide(int guard, const Probe &a, const Probe &b, const Fit &coarser, int depth, DetectedEvent &first);
   void bracketProbes(int guard, const Probe &low, const Probe &high, DetectedEvent &first);
   // event_prediction.cpp
   double expected();

@@ -21,6 +21,9 @@ constexpr int deepest = 30;
 // the interpolant: then it has led to no more than this part of the step, or changes by less than the tolerance where it is divided.
 constexpr int mostDivisions = 100000;
 constexpr double noProgress = 1e-4;
+// Forces of contacts that nearly determine one another, as in a jam, are those of rounding: they scatter by as much in however short an
+// interval. Four divisions leave less than this part of what they scatter by otherwise.
+constexpr double noisy = 0.1;
 // Differences for the rates, in parts of the step; times that differ by less are not told apart well enough.
 constexpr double difference = 1e-6, roundingOfTimes = 4096 * std::numeric_limits<double>::epsilon();
 
@@ -73,7 +76,9 @@ void EventDetection::examineVarying(DetectedEvent &first) {
     rises_ = false;
     limit_ = first.guard >= 0 ? first.time : std::numeric_limits<double>::infinity();
     const Probe a = probe(guard, begin_.time), b = probe(guard, end_.time);
-    divide(guard, a, b, std::numeric_limits<double>::infinity(), 0, own);
+    Fit unknown;
+    unknown.scatter.fill(std::numeric_limits<double>::infinity());
+    divide(guard, a, b, unknown, 0, own);
     // It falls from its start, which is a zero, not only by the interpolant's error there.
     if (own.guard < 0 && a.value <= threshold(guard) && a.rate < 0 && b.value < level(guard))
       bracketProbes(guard, a, b, own);
@@ -86,8 +91,8 @@ void EventDetection::examineVarying(DetectedEvent &first) {
   }
 }
 
-// The first zero between two samples. `coarser`: misfit of the interval that this one is a part of.
-void EventDetection::divide(int guard, const Probe &a, const Probe &b, double coarser, int depth, DetectedEvent &first) {
+// The first zero between two samples. `coarser`: of the interval that this one is a part of.
+void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit &coarser, int depth, DetectedEvent &first) {
   const double h = b.time - a.time;
   const CubicHermite whole{a.value, a.rate, b.value, b.rate, h};
   const Probe inside = probe(guard, a.time + division * h);
@@ -96,9 +101,15 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
     return;
   // Cubics on the parts have at most 0.54⁴ of the error of the one on the whole, which has as much of the one before: what is not resolved
   // fits by chance, but not twice, and not to a part of what the rates could do.
-  const double error = std::max(0.3 * misfit, 0.1 * coarser);
+  const double error = std::max(0.3 * misfit, 0.1 * coarser.misfit);
   const double reach = h * std::max({std::abs(a.rate), std::abs(inside.rate), std::abs(b.rate)});
   const bool isResolved = misfit <= 0.02 * reach;
+  Fit fit{misfit, coarser.scatter};
+  std::rotate(fit.scatter.begin(), fit.scatter.begin() + 1, fit.scatter.end());
+  fit.scatter.back() = std::abs(inside.value - a.value - division * (b.value - a.value));
+  const auto middle = fit.scatter.begin() + fit.scatter.size() / 2;
+  const double scatter = *std::max_element(middle, fit.scatter.end());
+  const bool isNoise = isForceGuard(dynamics_.guards()[guard].kind) && scatter > noisy * *std::max_element(fit.scatter.begin(), middle);
   const bool areEnough = depth < deepest && ++divisions_ > mostDivisions, isFinest = depth >= deepest || areEnough;
   const double leave = threshold(guard);
   rises_ = rises_ || std::max(a.value, inside.value) > leave;
@@ -113,7 +124,8 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
     const double zero = level(guard);
     // From a zero the guard must rise.
     const double least = std::abs(low->value) <= leave && low->rate > 0 ? part.leastSecant() : lowest - zero;
-    if ((isResolved && least > error) || lowest - zero > 5 * (reach + misfit))
+    if ((isResolved && least > error) || lowest - zero > 5 * (reach + misfit) ||
+        (isNoise && std::min(low->value, high->value) - zero > 2 * scatter))
       continue;
     const double searched = low->time - begin_.time;
     const bool oscillates = reach > integrator_->settings().tolerance * dynamics_.guards()[guard].scale;
@@ -127,10 +139,12 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
     const bool comesFromAbove = (zero < 0 && !rises_) || low->value > leave || wasPositive_;
     const bool falls = high->value < zero && (comesFromAbove || high->value < -leave);
     const bool isExact = isResolved && error <= 0.1 * std::max(std::abs(low->value), std::abs(high->value));
-    const bool isPositive = low->value > 0.1 * part.length * low->rate && !(interior < zero);
+    const bool isPositive = low->value - zero > 0.1 * part.length * low->rate && !(interior < zero);
     // A gap that opens at a speed and has returned, from however low a hop.
     const bool isHop = starts_[guard].armed == Arming::BySpeed && low->time == starts_[guard].time && low->rate > 0;
-    const bool isOnlyZero = isExact && ((isPositive && comesFromAbove) || isHop);
+    // The zero lies before, in what is no more than rounding, as at the end of a time for which the guard stays at zero.
+    const bool isPast = low->value <= zero && low->rate < 0;
+    const bool isOnlyZero = isExact && (((isPositive || isPast) && comesFromAbove) || isHop);
     if (falls && (isOnlyZero || isFinest)) {
       bracketProbes(guard, *low, *high, first);
       return;
@@ -139,7 +153,7 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, double co
     const double change = std::max(part.length * std::max(std::abs(low->rate), std::abs(high->rate)), error);
     if (isFinest || change <= 0.01 * leave || std::max({std::abs(low->value), std::abs(high->value), change}) <= leave)
       continue;
-    divide(guard, *low, *high, misfit, depth + 1, first);
+    divide(guard, *low, *high, fit, depth + 1, first);
     if (first.guard >= 0)
       return;
   }
