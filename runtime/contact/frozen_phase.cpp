@@ -68,7 +68,8 @@ struct FrozenPhase::Workspace {
   void settleAccelerations();
   bool findDirection(int forced);
   int nextBreakpoint(double &duration) const;
-  bool discard();
+  [[nodiscard]] bool stands() const;
+  bool discard(bool ends);
   bool stopApproaches();
   void advance(int row, double duration);
   void advanceStores(int row, double duration);
@@ -244,16 +245,26 @@ int FrozenPhase::Workspace::nextBreakpoint(double &duration) const {
   return first;
 }
 
-// Nothing moves: contacts that push only because of what they have stored push in vain. False if there are none.
-bool FrozenPhase::Workspace::discard() {
+// Nothing moves, but for rounding: contacts that press against one another, as in a wedge whose friction holds.
+bool FrozenPhase::Workspace::stands() const {
+  for (int r = 0; r < problem->count(); ++r)
+    if (std::abs(acceleration[r]) > standstill * turnover[r])
+      return false;
+  return true;
+}
+
+// Contacts that push in vain give it up; what compresses by rounding alone does so no longer. False if there are none.
+bool FrozenPhase::Workspace::discard(bool ends) {
   bool any = false;
   for (int i = 0; i < problem->normalCount; ++i) {
-    const bool aims = restitution.target(i) > 0 && force[i] > 0 && velocity[i] + restitution.target(i) >= 0;
-    if (!aims && !(restitution.stored(i) && velocity[i] >= 0))
+    const double rounding = roundingOfSums * magnitude[i];
+    const bool isRounding = restitution.stored(i) && velocity[i] < 0 && velocity[i] >= -rounding;
+    if (!isRounding && !restitution.pushesInVain(i, velocity[i], force[i], rounding, ends))
       continue;
-    velocity[i] += restitution.discard(i);
+    velocity[i] = isRounding ? 0 : velocity[i] + restitution.discard(i);
     any = true;
   }
+  roundVelocities();
   resetTail();
   return any;
 }
@@ -451,7 +462,7 @@ void FrozenPhase::Workspace::follow(int forced) {
     double duration = 0;
     row = nextBreakpoint(duration);
     event = FrozenEvent::Start;
-    if (row < 0 && discard()) {
+    if ((row < 0 || stands()) && discard(row < 0)) {
       event = FrozenEvent::Discard;
       continue;
     }
@@ -471,9 +482,13 @@ void FrozenPhase::Workspace::follow(int forced) {
     if (tail.factor() > 0 && tail.factor() < 1 - clearContraction) {
       summed = sumTail();
     } else if (std::abs(tail.factor() - 1) <= clearContraction) {
-      if (!drifts())
+      if (drifts()) {
+        summed = skipCycles();
+      } else if (discard(true)) {
+        event = FrozenEvent::Discard;
+      } else {
         return fail(FrozenStatus::Cycle);
-      summed = skipCycles();
+      }
     }
     if (summed)
       event = FrozenEvent::Accumulation;

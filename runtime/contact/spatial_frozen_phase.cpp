@@ -239,14 +239,24 @@ void SpatialFrozenPhase::Workspace::finishEvent(const Watch &event) {
   }
 }
 
-// Nothing moves: contacts that push only because of what they have stored push in vain. False if there are none.
-bool SpatialFrozenPhase::Workspace::discard() {
+// Nothing moves, but for rounding: contacts that press against one another, as in a wedge whose friction holds.
+bool SpatialFrozenPhase::Workspace::stands() const {
+  for (int r = 0; r < n + m; ++r)
+    if (std::abs(acceleration[r]) > standstill * turnover[r])
+      return false;
+  return true;
+}
+
+// Contacts that push in vain give it up; what compresses by rounding alone does so no longer. False if there are none.
+bool SpatialFrozenPhase::Workspace::discard(bool ends) {
   bool any = false;
   for (int i = 0; i < n; ++i) {
-    const bool aims = restitution.target(i) > 0 && force[i] > 0 && velocity[i] + restitution.target(i) >= 0;
-    if (!aims && !(restitution.stored(i) && velocity[i] >= 0))
+    const bool isRounding = restitution.stored(i) && velocity[i] < 0 && velocity[i] >= -roundingSpeed;
+    if (!isRounding && !restitution.pushesInVain(i, velocity[i], force[i], roundingSpeed, ends))
       continue;
-    velocity[i] += restitution.discard(i);
+    velocity[i] = isRounding ? 0 : velocity[i] + restitution.discard(i);
+    if (std::abs(velocity[i]) <= roundingSpeed)
+      velocity[i] = 0;
     any = true;
   }
   return any;
@@ -352,7 +362,7 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
   Watch event;
   FrozenEvent label = FrozenEvent::Start;
   bool found = true;  // a breakpoint: the mode is chosen anew
-  int escapes = 0;
+  int escapes = 0, followed = breakpointLimit;
   for (;;) {
     if (anyNearZero()) {
       if (!settleNearZero(forced))
@@ -383,15 +393,22 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
     const double duration = nextBreakpoint(next);
     label = FrozenEvent::Start;
     const bool turns = departure(std::isfinite(duration) ? duration : longPiece()) > straight * scale;
-    if (!turns && !std::isfinite(duration)) {
-      if (!discard())
-        return fail(FrozenStatus::Unbounded);
+    const bool ends = !turns && !std::isfinite(duration);
+    if ((ends || stands()) && discard(ends)) {
       label = FrozenEvent::Discard;
       found = true;
       continue;
     }
-    if (++result.breakpointCount > breakpointLimit)
-      return fail(FrozenStatus::Cycle);
+    if (ends)
+      return fail(FrozenStatus::Unbounded);
+    if (++result.breakpointCount > followed) {
+      if (!discard(true))
+        return fail(FrozenStatus::Cycle);
+      label = FrozenEvent::Discard;
+      found = true;
+      followed += breakpointLimit;
+      continue;
+    }
     if (turns) {
       if (curve(duration, next.kind == Watch::Kind::PairSlip, event, found)) {
         exchange(event, found);

@@ -125,7 +125,8 @@ struct SpatialFrozenPhase::Workspace {
   bool settleStop(const Watch &event, double &h, bool &found);
   void commit(double h, const Watch *event);
   void finishEvent(const Watch &event);
-  bool discard();
+  [[nodiscard]] bool stands() const;
+  bool discard(bool ends);
   void record(int row, FrozenEvent event);
   [[nodiscard]] FrozenEvent classify(const Watch &event) const;
   void fail(FrozenStatus status);

@@ -553,5 +553,52 @@ TEST(Impacts, OfAChainTakeFewAttemptsOfSteps) {
   EXPECT_LT(statistics.rejected_steps, statistics.steps / 5);
 }
 
+// A mass slides obliquely under a ceiling that comes down, and is caught: friction holds it while the ceiling has work left to give back,
+// or has not reached its target. Impulses of Stronge's law against an integration with friction that is smooth at zero, which is right to
+// 1e-5.
+TEST(Impacts, WhatCannotPartAWedgeIsLost) {
+  const std::string file = sourceFile("caught_in_a_wedge.tf", R"(
+model Wedge
+  parameter Real mu = 0.6, under = 0.4, e = 0.5, slope = 0.3, side = 2;
+  coordinate Real x(der(start = 5)), y(der(start = side)), z;
+  body b(mass = 1, position = {x, y, z});
+  gravity g(acceleration = {0, 0, -9.81});
+  contact floor(gap = z, slip = {der(x), der(y)}, friction = under, restitution = e, law = ImpactLaw.Stronge);
+  contact ceiling(gap = (1 - x)*sin(slope) - z*cos(slope), slip = {der(x)*cos(slope) - der(z)*sin(slope), der(y)}, friction = mu,
+    restitution = e, law = ImpactLaw.Stronge);
+end Wedge;
+)");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-4, 1e-8})
+      for (const double side : {2.0, -3.0}) {
+        CompiledModel model(file, {{"side", side}});
+        model.tolerance(tolerance).integrator(integrator).run(2);
+        const double scale = 10 * tolerance;
+        for (const char *velocity : {"der(x)", "der(y)", "der(z)"})
+          EXPECT_NEAR(model[velocity], 0, 1e-9) << velocity;
+        EXPECT_NEAR(model["floor.impulse"], side > 0 ? 3.131527 : 3.60633, 2e-5 + scale);
+        EXPECT_NEAR(model["ceiling.impulse"], side > 0 ? 3.910427 : 4.38592, 2e-5 + scale);
+      }
+  const std::string planar = sourceFile("caught_in_a_planar_wedge.tf", R"(
+model PlanarWedge
+  parameter Real mu = 0.6, e = 0.5, slope = 0.4;
+  coordinate Real x(der(start = 5)), y;
+  body b(mass = 1, position = {x, y});
+  gravity g(acceleration = {0, -9.81});
+  contact floor(gap = y, slip = der(x), friction = mu);
+  contact ceiling(gap = (1 - x)*sin(slope) - y*cos(slope), slip = der(x)*cos(slope) - der(y)*sin(slope), friction = mu, restitution = e,
+    law = ImpactLaw.Newton);
+end PlanarWedge;
+)");
+  for (const double friction : {0.3, 0.6, 1.0})
+    for (const double restitution : {0.01, 0.5, 1.0}) {
+      CompiledModel model(planar, {{"mu", friction}, {"e", restitution}});
+      model.tolerance(1e-8).run(1);
+      EXPECT_NEAR(model["der(x)"], 0, 1e-12);
+      EXPECT_NEAR(model["der(y)"], 0, 1e-12);
+      EXPECT_LT(model["ceiling.impulse"], 20);
+    }
+}
+
 }  // namespace
 }  // namespace tf::test
