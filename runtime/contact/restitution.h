@@ -41,8 +41,8 @@ public:
   [[nodiscard]] double exhaustion(int i, double velocity, double acceleration) const;
   // A piece of such a path. `exhausted`: it ends where the contact has used up what it stores.
   void advance(int i, double velocity, double acceleration, double duration, bool exhausted);
-  // Where nothing moves, or a cycle repeats: the contact pushes only because of what it has stored or for its target, which it cannot reach,
-  // since it approaches no longer (but for `rounding`). `ends`: nothing would end this; Poisson's push does by itself.
+  // Where nothing moves, or a cycle repeats: the contact pushes only because of what it has stored or for its target, which it cannot
+  // reach, since it approaches no longer (but for `rounding`). `ends`: nothing would end this; Poisson's push does by itself.
   [[nodiscard]] bool pushesInVain(int i, double velocity, double force, double rounding, bool ends) const {
     return (target_[i] > 0 && force > 0 && velocity + target_[i] >= -rounding) ||
            (stored(i) && velocity >= 0 && (ends || law_[i] != ImpactLaw::Poisson));
