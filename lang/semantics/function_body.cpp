@@ -262,15 +262,15 @@ FunctionBody::Flow FunctionBody::assignOutputs(const ast::Statement &statement, 
 FunctionBody::Flow FunctionBody::assign(const ast::Expr &target, const ExprPtr &given, const Locals *iterators) {
   const bool isName = target.kind == ast::ExprKind::Reference && target.reference.parts.size() == 1;
   Locals *variable = isName ? find(target.reference.parts[0].name.text) : nullptr;
-  if (variable == nullptr && isName)
-    if (const ast::Name &name = target.reference.parts[0].name; !lookupSimple(context_, *scope_, name.text, Files::Ignore)) {
-      std::vector<std::string> names;
-      std::ranges::transform(variables_, std::back_inserter(names), [](const Locals &local) { return std::string(local.name); });
-      context_.diagnostics.report(diag::UnknownName, name.span, name.text).suggest(name.text, names);
-      return Flow::Error;
-    }
-  if (variable == nullptr)
-    return fail(target.span, "this cannot be assigned to");
+  if (variable == nullptr) {
+    if (!isName || lookupSimple(context_, *scope_, target.reference.parts[0].name.text, Files::Ignore))
+      return fail(target.span, "this cannot be assigned to");
+    const ast::Name &name = target.reference.parts[0].name;
+    std::vector<std::string> names;
+    std::ranges::transform(variables_, std::back_inserter(names), [](const Locals &local) { return std::string(local.name); });
+    context_.diagnostics.report(diag::UnknownName, name.span, name.text).suggest(name.text, names);
+    return Flow::Error;
+  }
   const ExprPtr value = variable->type.base == Base::Real ? toReal(given) : given;
   const auto chosen =
       Typer(context_, Scope{scope_, iterators, true}).selections(target.reference.parts[0].subscripts, variable->type.dims, target.span);

@@ -17,11 +17,11 @@ Found foundMember(Context &context, Class &scope, Member &member) {
 }
 
 // The class of a qualified import's name; its last part may be a constant.
-Found lookupImported(Context &context, const ast::Reference &reference, std::size_t count) {
-  if (count == 0 || reference.parts.size() < count)
+Found lookupImported(Context &context, const ast::Reference &reference) {
+  if (reference.parts.empty())
     return {};
   Found found = lookupRoot(context, reference.parts[0].name.text, Files::Search);
-  for (std::size_t i = 1; i < count && found.type != nullptr; ++i)
+  for (std::size_t i = 1; i < reference.parts.size() && found.type != nullptr; ++i)
     found = lookupMember(context, *found.type, reference.parts[i].name.text);
   return found;
 }
@@ -46,7 +46,7 @@ Found lookupImports(Context &context, const Class &scope, std::string_view name)
   for (const ast::Import *import : scope.imports) {
     if (!introduces(*import, name))
       continue;
-    const Found found = lookupImported(context, import->name, import->name.parts.size());
+    const Found found = lookupImported(context, import->name);
     if (import->kind != ast::ImportKind::List)
       return found;
     if (found.type != nullptr)
@@ -54,7 +54,7 @@ Found lookupImports(Context &context, const Class &scope, std::string_view name)
   }
   for (const ast::Import *import : scope.imports)
     if (import->kind == ast::ImportKind::Unqualified)
-      if (const Found package = lookupImported(context, import->name, import->name.parts.size()); package.type != nullptr)
+      if (const Found package = lookupImported(context, import->name); package.type != nullptr)
         if (const Found found = lookupMember(context, *package.type, name))
           return found;
   return {};
