@@ -78,11 +78,12 @@ private:
   struct Probe {
     double time = 0, value = 0, rate = 0;
   };
-  // How well an interval's ends predict what is inside it: what the cubic through them misses, and what the line through them does here and
-  // in the intervals around, the largest one first.
+  // How well an interval's ends predict what is inside it: what the cubic through them misses, and what the line through them does, first
+  // in the widest of the intervals around.
   struct Fit {
+    Fit() { scatter.fill(misfit); }
     double misfit = std::numeric_limits<double>::infinity();
-    std::array<double, 8> scatter{};
+    std::array<double, 8> scatter;
   };
 
   [[nodiscard]] bool isCurrent() const;

@@ -76,9 +76,7 @@ void EventDetection::examineVarying(DetectedEvent &first) {
     rises_ = false;
     limit_ = first.guard >= 0 ? first.time : std::numeric_limits<double>::infinity();
     const Probe a = probe(guard, begin_.time), b = probe(guard, end_.time);
-    Fit unknown;
-    unknown.scatter.fill(std::numeric_limits<double>::infinity());
-    divide(guard, a, b, unknown, 0, own);
+    divide(guard, a, b, Fit{}, 0, own);
     // It falls from its start, which is a zero, not only by the interpolant's error there.
     if (own.guard < 0 && a.value <= threshold(guard) && a.rate < 0 && b.value < level(guard))
       bracketProbes(guard, a, b, own);
@@ -104,7 +102,8 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit
   const double error = std::max(0.3 * misfit, 0.1 * coarser.misfit);
   const double reach = h * std::max({std::abs(a.rate), std::abs(inside.rate), std::abs(b.rate)});
   const bool isResolved = misfit <= 0.02 * reach;
-  Fit fit{misfit, coarser.scatter};
+  Fit fit = coarser;
+  fit.misfit = misfit;
   std::rotate(fit.scatter.begin(), fit.scatter.begin() + 1, fit.scatter.end());
   fit.scatter.back() = std::abs(inside.value - a.value - division * (b.value - a.value));
   const auto middle = fit.scatter.begin() + fit.scatter.size() / 2;

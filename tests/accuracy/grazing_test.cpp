@@ -28,7 +28,7 @@ end Oscillator;
 TEST(Grazing, GapsThatReachZeroInsideALongStep) {
   for (const auto integrator : {TF_AUTO, TF_EXPLICIT, TF_STEP})
     for (const double tolerance : {1e-6, 1e-7, 1e-9}) {
-      for (const double depth : {1e-1, 1e-2, 1e-3, 2e-4}) {
+      for (const double depth : {1e-1, 1e-2, 1e-3, 2e-4, 100 * tolerance, 20 * tolerance}) {
         CompiledModel model(oscillator(depth));
         model.tolerance(tolerance).integrator(integrator).run(4);
         ASSERT_FALSE(model.events().empty()) << depth << ' ' << tolerance;

@@ -1,5 +1,5 @@
 // Contacts that share a load in many ways, on boundaries that move in time: the margins of their forces stay at zero for a time, or are
-// those of rounding. Both were divided without end in search of zeros.
+// those of rounding, where a search for their zeros must end all the same.
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <gtest/gtest.h>
