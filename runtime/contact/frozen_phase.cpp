@@ -68,8 +68,7 @@ struct FrozenPhase::Workspace {
   void settleAccelerations();
   bool findDirection(int forced);
   int nextBreakpoint(double &duration) const;
-  [[nodiscard]] bool stands() const;
-  bool discard(bool ends);
+  bool giveUp(bool ends);
   bool stopApproaches();
   void advance(int row, double duration);
   void advanceStores(int row, double duration);
@@ -245,26 +244,8 @@ int FrozenPhase::Workspace::nextBreakpoint(double &duration) const {
   return first;
 }
 
-// Nothing moves, but for rounding: contacts that press against one another, as in a wedge whose friction holds.
-bool FrozenPhase::Workspace::stands() const {
-  for (int r = 0; r < problem->count(); ++r)
-    if (std::abs(acceleration[r]) > standstill * turnover[r])
-      return false;
-  return true;
-}
-
-// Contacts that push in vain give it up; what compresses by rounding alone does so no longer. False if there are none.
-bool FrozenPhase::Workspace::discard(bool ends) {
-  bool any = false;
-  for (int i = 0; i < problem->normalCount; ++i) {
-    const double rounding = roundingOfSums * magnitude[i];
-    const bool isRounding = restitution.stored(i) && velocity[i] < 0 && velocity[i] >= -rounding;
-    if (!isRounding && !restitution.pushesInVain(i, velocity[i], force[i], rounding, ends))
-      continue;
-    velocity[i] = isRounding ? 0 : velocity[i] + restitution.discard(i);
-    any = true;
-  }
-  roundVelocities();
+bool FrozenPhase::Workspace::giveUp(bool ends) {
+  const bool any = restitution.giveUp(velocity, force, [this](int i) { return roundingOfSums * magnitude[i]; }, ends);
   resetTail();
   return any;
 }
@@ -462,7 +443,7 @@ void FrozenPhase::Workspace::follow(int forced) {
     double duration = 0;
     row = nextBreakpoint(duration);
     event = FrozenEvent::Start;
-    if ((row < 0 || stands()) && discard(row < 0)) {
+    if ((row < 0 || standsStill(acceleration, turnover)) && giveUp(row < 0)) {
       event = FrozenEvent::Discard;
       continue;
     }
@@ -484,7 +465,7 @@ void FrozenPhase::Workspace::follow(int forced) {
     } else if (std::abs(tail.factor() - 1) <= clearContraction) {
       if (drifts()) {
         summed = skipCycles();
-      } else if (discard(true)) {
+      } else if (giveUp(true)) {
         event = FrozenEvent::Discard;
       } else {
         return fail(FrozenStatus::Cycle);

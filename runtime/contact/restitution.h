@@ -7,6 +7,9 @@
 // contacts push (friction in one or two directions) is no business of this class.
 #pragma once
 
+#include "runtime/contact/numbers.h"
+
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <span>
@@ -15,6 +18,15 @@
 namespace tf::runtime {
 
 enum class ImpactLaw : std::uint8_t { Poisson = 0, Stronge = 1, Newton = 2 };  // the values of enum tf_impact_law
+
+// Nothing moves, but for rounding: rows whose forces press against one another, as in a wedge that friction holds. Both of all rows: w = D
+// λ, and Σ |D λ| of its terms.
+[[nodiscard]] inline bool standsStill(std::span<const double> acceleration, std::span<const double> turnover) {
+  for (std::size_t r = 0; r < acceleration.size(); ++r)
+    if (std::abs(acceleration[r]) > standstill * turnover[r])
+      return false;
+  return true;
+}
 
 class Restitution {
 public:
@@ -41,18 +53,31 @@ public:
   [[nodiscard]] double exhaustion(int i, double velocity, double acceleration) const;
   // A piece of such a path. `exhausted`: it ends where the contact has used up what it stores.
   void advance(int i, double velocity, double acceleration, double duration, bool exhausted);
-  // Where nothing moves, or a cycle repeats: the contact pushes only because of what it has stored or for its target, which it cannot
-  // reach, since it approaches no longer (but for `rounding`). `ends`: nothing would end this; Poisson's push does by itself.
-  [[nodiscard]] bool pushesInVain(int i, double velocity, double force, double rounding, bool ends) const {
-    return (target_[i] > 0 && force > 0 && velocity + target_[i] >= -rounding) ||
-           (stored(i) && velocity >= 0 && (ends || law_[i] != ImpactLaw::Poisson));
+  // Where nothing moves, or a cycle repeats: contacts that no longer approach, but for rounding(i), give up what they store and the target
+  // that they push for in vain, and those that compress by rounding alone no longer do; `velocity` and `force` are of all contacts. `ends`:
+  // nothing would end this; Poisson's push does by itself. False if there are no such contacts.
+  template <typename Rounding> bool giveUp(std::span<double> velocity, std::span<const double> force, const Rounding &rounding, bool ends) {
+    bool any = false;
+    for (int i = 0; i < static_cast<int>(target_.size()); ++i) {
+      if (velocity[i] + target_[i] < -rounding(i))
+        continue;
+      const bool isTarget = target_[i] > 0 && force[i] > 0;
+      const bool isStore = stored(i) && velocity[i] >= 0 && (ends || law_[i] != ImpactLaw::Poisson);
+      const bool isRounding = stored(i) && velocity[i] < 0;
+      if (isTarget || isStore)
+        velocity[i] += discard(i);
+      if (isTarget || isStore || isRounding)
+        velocity[i] = std::abs(velocity[i]) <= rounding(i) ? 0 : velocity[i];
+      any = any || isTarget || isStore || isRounding;
+    }
+    return any;
   }
-  // What the contact stores, and its target, are given up. Returns what the target was.
-  double discard(int i);
   // Values at the end of infinitely many pieces.
   void set(int i, double impulse, double work);
 
 private:
+  // Returns what the target was.
+  double discard(int i);
   [[nodiscard]] double workExhaustion(int i, double velocity, double acceleration) const;
 
   std::vector<double> coefficient_, rate_, target_;

@@ -239,27 +239,9 @@ void SpatialFrozenPhase::Workspace::finishEvent(const Watch &event) {
   }
 }
 
-// Nothing moves, but for rounding: contacts that press against one another, as in a wedge whose friction holds.
-bool SpatialFrozenPhase::Workspace::stands() const {
-  for (int r = 0; r < n + m; ++r)
-    if (std::abs(acceleration[r]) > standstill * turnover[r])
-      return false;
-  return true;
-}
-
-// Contacts that push in vain give it up; what compresses by rounding alone does so no longer. False if there are none.
-bool SpatialFrozenPhase::Workspace::discard(bool ends) {
-  bool any = false;
-  for (int i = 0; i < n; ++i) {
-    const bool isRounding = restitution.stored(i) && velocity[i] < 0 && velocity[i] >= -roundingSpeed;
-    if (!isRounding && !restitution.pushesInVain(i, velocity[i], force[i], roundingSpeed, ends))
-      continue;
-    velocity[i] = isRounding ? 0 : velocity[i] + restitution.discard(i);
-    if (std::abs(velocity[i]) <= roundingSpeed)
-      velocity[i] = 0;
-    any = true;
-  }
-  return any;
+// What is left of velocities that slips came to rest from is within what counts as still.
+bool SpatialFrozenPhase::Workspace::giveUp(bool ends) {
+  return restitution.giveUp(velocity, force, [this](int) { return stillSpeed; }, ends);
 }
 
 FrozenEvent SpatialFrozenPhase::Workspace::classify(const Watch &event) const {
@@ -394,7 +376,7 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
     label = FrozenEvent::Start;
     const bool turns = departure(std::isfinite(duration) ? duration : longPiece()) > straight * scale;
     const bool ends = !turns && !std::isfinite(duration);
-    if ((ends || stands()) && discard(ends)) {
+    if ((ends || standsStill(acceleration, turnover)) && giveUp(ends)) {
       label = FrozenEvent::Discard;
       found = true;
       continue;
@@ -402,7 +384,7 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
     if (ends)
       return fail(FrozenStatus::Unbounded);
     if (++result.breakpointCount > followed) {
-      if (!discard(true))
+      if (!giveUp(true))
         return fail(FrozenStatus::Cycle);
       label = FrozenEvent::Discard;
       found = true;

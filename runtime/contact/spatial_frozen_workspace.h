@@ -125,8 +125,7 @@ struct SpatialFrozenPhase::Workspace {
   bool settleStop(const Watch &event, double &h, bool &found);
   void commit(double h, const Watch *event);
   void finishEvent(const Watch &event);
-  [[nodiscard]] bool stands() const;
-  bool discard(bool ends);
+  bool giveUp(bool ends);
   void record(int row, FrozenEvent event);
   [[nodiscard]] FrozenEvent classify(const Watch &event) const;
   void fail(FrozenStatus status);
