@@ -61,6 +61,9 @@ std::optional<int> constantSize(Typer &typer, const ExprPtr &value, std::string_
     reportNotConstant(typer.context(), *value, value->span, what);
     return std::nullopt;
   }
+  // What is not needed may be of any size.
+  if (typer.scope().isUnreached && (*known)[0] < 0)
+    return 0;
   if ((*known)[0] < 0 || (*known)[0] > kMaximumArraySize) {
     typer.diagnostics().report(diag::DimensionNegative, value->span, (*known)[0]);
     return std::nullopt;

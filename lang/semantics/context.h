@@ -38,6 +38,7 @@ struct Context {
   std::map<std::pair<const ast::Expr *, const Class *>, flat::ExprPtr> typedBindings;
   std::map<std::pair<const Component *, std::string_view>, flat::ExprPtr> elementAttributes;  // typed; null while running or wrong
   int expressionDepth = 0;
+  std::vector<const Class *> expandedFunctions;  // whose bodies are being run
   long typedNodes = 0;
   bool isOverLimit = false;
   bool isTooDeep = false;

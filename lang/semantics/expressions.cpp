@@ -88,6 +88,11 @@ ExprPtr makeEmpty(Type element, const std::vector<int> &dims, Span span) {
   return makeLiteral(std::move(element), {}, span);
 }
 
+ExprPtr makeBlank(const Type &type, Span span) {
+  const ExprPtr element = type.base == Base::String ? makeString({}, span) : makeLiteral({type.base, {}}, {0}, span);
+  return broadcast(element, type.dims);
+}
+
 ExprPtr makeReal(double value, Span span) { return makeLiteral({Base::Real, {}}, {value}, span); }
 ExprPtr makeInteger(double value, Span span) { return makeLiteral({Base::Integer, {}}, {value}, span); }
 ExprPtr makeBoolean(bool value, Span span) { return makeLiteral({Base::Boolean, {}}, {value ? 1.0 : 0.0}, span); }

@@ -29,6 +29,8 @@ using flat::Variability;
 [[nodiscard]] ExprPtr makeLiteral(Type type, std::vector<double> values, Span span);
 // An array without elements, which would be of type `element`; one of the leading `dims` is zero.
 [[nodiscard]] ExprPtr makeEmpty(Type element, const std::vector<int> &dims, Span span);
+// Zero, false or an empty text in all places: a value of this type.
+[[nodiscard]] ExprPtr makeBlank(const Type &type, Span span);
 
 [[nodiscard]] ExprPtr makeUnary(flat::Operator op, ExprPtr operand, Span span, Diagnostics &diagnostics);
 // `isElementwise`: the dotted form of + and -, which accepts a scalar beside an array.

@@ -4,6 +4,7 @@
 #include "lang/semantics/lookup.h"
 
 #include <algorithm>
+#include <cassert>
 #include <iterator>
 
 namespace tf::semantics {
@@ -45,6 +46,12 @@ ExprPtr FunctionBody::value(std::string_view name) const {
   return found == variables_.end() ? nullptr : found->value;
 }
 
+const Type &FunctionBody::typeOf(std::string_view name) const {
+  const auto found = std::ranges::find(variables_, name, &Locals::name);
+  assert(found != variables_.end());
+  return found->type;
+}
+
 bool FunctionBody::run() { return runSections(function_) != Flow::Error; }
 
 FunctionBody::Flow FunctionBody::runSections(Class &scope) {
@@ -68,9 +75,7 @@ FunctionBody::Flow FunctionBody::fail(Span span, std::string_view what) {
   return Flow::Error;
 }
 
-ExprPtr FunctionBody::type(const ast::Expr &expr, const Locals *iterators) {
-  return Typer(context_, Scope{scope_, iterators, true}).type(expr);
-}
+ExprPtr FunctionBody::type(const ast::Expr &expr, const Locals *iterators) { return Typer(context_, scopeWith(iterators)).type(expr); }
 
 std::optional<bool> FunctionBody::known(const flat::Expr &condition) {
   const auto value =
@@ -187,7 +192,7 @@ FunctionBody::Flow FunctionBody::runFor(const ast::Statement &statement, std::si
   if (level == statement.iterators.size())
     return runAll(statement.body, iterators);
   const ast::ForIndex &index = statement.iterators[level];
-  const auto values = Typer(context_, Scope{scope_, iterators, true}).iteration(index, {});
+  const auto values = Typer(context_, scopeWith(iterators)).iteration(index, {});
   if (!values)
     return Flow::Error;
   for (const ExprPtr &value : *values) {
@@ -240,7 +245,7 @@ FunctionBody::Flow FunctionBody::runCall(const ast::Statement &statement, const 
 FunctionBody::Flow FunctionBody::assignOutputs(const ast::Statement &statement, const Locals *iterators) {
   if (statement.left == nullptr || statement.right == nullptr)
     return Flow::Error;
-  Typer typer(context_, Scope{scope_, iterators, true});
+  Typer typer(context_, scopeWith(iterators));
   Class *function = calledFunction(typer, *statement.right);
   if (function == nullptr) {
     context_.diagnostics.report(diag::TupleOutsideCall, statement.left->span);
@@ -273,7 +278,7 @@ FunctionBody::Flow FunctionBody::assign(const ast::Expr &target, const ExprPtr &
   }
   const ExprPtr value = variable->type.base == Base::Real ? toReal(given) : given;
   const auto chosen =
-      Typer(context_, Scope{scope_, iterators, true}).selections(target.reference.parts[0].subscripts, variable->type.dims, target.span);
+      Typer(context_, scopeWith(iterators)).selections(target.reference.parts[0].subscripts, variable->type.dims, target.span);
   if (!chosen)
     return Flow::Error;
   std::vector<int> dims;

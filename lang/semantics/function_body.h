@@ -10,20 +10,25 @@ namespace tf::semantics {
 
 class FunctionBody {
 public:
-  FunctionBody(Context &context, Class &function) : context_(context), function_(function), scope_(&function) {}
+  // `isUnreached`: as of Scope.
+  FunctionBody(Context &context, Class &function, bool isUnreached)
+      : context_(context), function_(function), scope_(&function), isUnreached_(isUnreached) {}
 
   // Declares a variable; a null value: none yet.
   void declare(std::string_view name, Type type, ExprPtr value);
   // Runs all algorithm sections. False if there is an error: reported.
   bool run();
   // A typer for expressions of the body, with the present values.
-  [[nodiscard]] Typer typer() const { return {context_, Scope{scope_, top(), true}}; }
+  [[nodiscard]] Typer typer() const { return {context_, scopeWith(top())}; }
   // The value of a variable; null if it has none.
   [[nodiscard]] ExprPtr value(std::string_view name) const;
+  // The type that a variable has been declared with.
+  [[nodiscard]] const Type &typeOf(std::string_view name) const;
 
 private:
   enum class Flow : std::uint8_t { Next, Break, Return, Error };
 
+  [[nodiscard]] Scope scopeWith(const Locals *locals) const { return {scope_, locals, true, isUnreached_}; }
   [[nodiscard]] const Locals *top() const { return variables_.empty() ? nullptr : &variables_.back(); }
   Locals *find(std::string_view name);
   Flow runSections(Class &scope);
@@ -47,6 +52,7 @@ private:
   Context &context_;
   Class &function_;
   Class *scope_;  // the function or the base class whose algorithm runs
+  bool isUnreached_;
   std::deque<Locals> variables_;
   long steps_ = 0;
 };

@@ -140,15 +140,38 @@ private:
   }
 
   std::optional<std::vector<ExprPtr>> callOnce(const std::vector<int> &index) {
-    FunctionBody body(context_, function_);
+    const bool isUnreached = typer_.scope().isUnreached;
+    FunctionBody body(context_, function_, isUnreached);
+    // A recursion ends behind a condition that is decided.
+    if (isUnreached && std::ranges::find(context_.expandedFunctions, &function_) != context_.expandedFunctions.end())
+      return blankOutputs(body, index);
+    context_.expandedFunctions.push_back(&function_);
+    auto outputs = expand(body, index);
+    context_.expandedFunctions.pop_back();
+    return outputs;
+  }
+
+  std::optional<std::vector<ExprPtr>> expand(FunctionBody &body, const std::vector<int> &index) {
     for (const Member &member : function_.members)
       if (member.component != nullptr && !declareVariable(body, *member.component, index))
         return std::nullopt;
     if (const ast::External *external = externalOf(function_))
       return callExternal(body, *external);
-    if (!body.run())
-      return std::nullopt;
-    return outputsOf(body);
+    return body.run() ? outputsOf(body) : std::nullopt;
+  }
+
+  // Values of the outputs' types, for a call whose values are not needed.
+  std::optional<std::vector<ExprPtr>> blankOutputs(FunctionBody &body, const std::vector<int> &index) {
+    std::vector<ExprPtr> outputs;
+    for (const Member &member : function_.members) {
+      if (member.component == nullptr || member.component->clause->causality == ast::Causality::None)
+        continue;
+      if (!declareVariable(body, *member.component, index))
+        return std::nullopt;
+      if (member.component->clause->causality == ast::Causality::Output)
+        outputs.push_back(makeBlank(body.typeOf(member.name), call_.span));
+    }
+    return outputs.empty() ? std::nullopt : std::optional(std::move(outputs));
   }
 
   std::optional<std::vector<ExprPtr>> outputsOf(const FunctionBody &body) {

@@ -106,21 +106,21 @@ private:
     std::vector<ExprPtr> parts;
     const bool isGiven = dimension < chosen.size();
     const std::size_t count = isGiven ? chosen[dimension].positions.size() : size;
+    if (count == 0 || size == 0)
+      return memberOfNone(target, chosen, dimension, part);
     for (std::size_t i = 0; i < count; ++i) {
       const std::size_t position = isGiven ? static_cast<std::size_t>(chosen[dimension].positions[i] - 1) : i;
       parts.push_back(selectInstances(target, chosen, dimension + 1, offset * size + position, part));
       if (parts.back() == nullptr)
         return nullptr;
     }
-    if (isGiven && chosen[dimension].scalar)
-      return parts[0];
-    return parts.empty() ? memberOfNone(target, chosen, dimension, part) : makeArray(std::move(parts), span_, context_.diagnostics);
+    return isGiven && chosen[dimension].scalar ? parts[0] : makeArray(std::move(parts), span_, context_.diagnostics);
   }
 
   // Of an array of components without any, along `dimension`: what it is like is told by their type.
   ExprPtr memberOfNone(Component &target, const std::vector<flat::Selection> &chosen, std::size_t dimension, std::size_t part) {
-    std::vector<int> dims = {0};
-    for (std::size_t d = dimension + 1; d < target.dimensions.size(); ++d)
+    std::vector<int> dims;
+    for (std::size_t d = dimension; d < target.dimensions.size(); ++d)
       if (d >= chosen.size())
         dims.push_back(target.dimensions[d]);
       else if (!chosen[d].scalar)
@@ -131,7 +131,11 @@ private:
       return member(*target.type, part + 1);
     const bool isVariable = isLast(part + 1) && found->component != nullptr && resolve(context_, *found->component) &&
                             found->component->isLeaf() && !found->component->leaf->predefined->isElement();
-    return makeEmpty(isVariable ? typeOf(*found->component) : Type{Base::Real, {}}, dims, span_);
+    if (!isVariable)
+      return broadcast(makeBlank({Base::Real, {}}, span_), dims);
+    const ExprPtr element = makeBlank(typeOf(*found->component), span_);
+    const auto inner = subscripts(part + 1, element->type.dims);
+    return inner ? broadcast(makeIndex(element, *inner, span_), dims) : nullptr;
   }
 
   ExprPtr member(Class &instance, std::size_t part) {

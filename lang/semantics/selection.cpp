@@ -28,6 +28,14 @@ bool isWhole(const Selection &selection, int size) {
   return true;
 }
 
+// Of an array without elements, one of its own: what it is like is all that is asked for (Typer::selection).
+bool selectsFromNone(const std::vector<Selection> &selections, const std::vector<int> &dims) {
+  for (std::size_t i = 0; i < dims.size(); ++i)
+    if (dims[i] == 0 && !selections[i].positions.empty())
+      return true;
+  return false;
+}
+
 std::vector<int> selectedDims(const std::vector<Selection> &selections) {
   std::vector<int> dims;
   for (const Selection &selection : selections)
@@ -99,6 +107,8 @@ ExprPtr makeIndex(const ExprPtr &array, std::vector<Selection> selections, Span 
   if (isAll)
     return array;
   const Type type{array->type.base, selectedDims(selections)};
+  if (selectsFromNone(selections, dims))
+    return makeBlank(type, span);
   switch (array->kind) {
   case ExprKind::Literal:
     if (type.base == Base::String)

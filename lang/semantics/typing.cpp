@@ -376,11 +376,10 @@ std::optional<flat::Selection> Typer::selection(const ast::Expr &subscript, int 
   chosen.scalar = typed->type.dims.empty();
   for (const double value : *values) {
     const double position = typed->type.base == Base::Boolean ? value + 1 : value;
-    // Any element tells the type of one that is not needed.
+    // Any element tells the type of one that is not needed, be there none.
     const double needed = scope_.isUnreached ? std::clamp(position, 1.0, std::max(1.0, static_cast<double>(size))) : position;
-    if (needed < 1 || needed > size) {
-      if (!scope_.isUnreached)
-        diagnostics().report(diag::SubscriptRange, subscript.span, position, size);
+    if (!scope_.isUnreached && (needed < 1 || needed > size)) {
+      diagnostics().report(diag::SubscriptRange, subscript.span, position, size);
       return std::nullopt;
     }
     chosen.positions.push_back(static_cast<int>(needed));
@@ -418,7 +417,7 @@ bool haveCommonBase(const Type &a, const Type &b) {
 
 }  // namespace
 
-ExprPtr typeConditional(Context &context, const ast::Expr &expr, const Scope &scope, const PartTyping &typeCondition,
+ExprPtr typeConditional(Context &context, const ast::Expr &expr, Scope scope, const PartTyping &typeCondition,
                         const PartTyping &typeValue) {
   Scope unreached = scope;
   unreached.isUnreached = true;

@@ -91,7 +91,7 @@ private:
 using PartTyping = std::function<ExprPtr(const ast::Expr &, const Scope &)>;
 // Types an `if`. A condition on iterators, constants and sizes is decided: values behind it that are not needed are checked in a scope that
 // says so. Their subscripts may leave their dimensions, as in if i == 1 then 0 else x[i - 1], and arrays may have another size.
-[[nodiscard]] ExprPtr typeConditional(Context &context, const ast::Expr &expr, const Scope &scope, const PartTyping &typeCondition,
+[[nodiscard]] ExprPtr typeConditional(Context &context, const ast::Expr &expr, Scope scope, const PartTyping &typeCondition,
                                       const PartTyping &typeValue);
 
 // Value known now: constants and parameters, which become structural. Not reported if there is none.

@@ -18,5 +18,10 @@ model M
   Real total[2] = {time, 1} + sum({x[i], x[i + 1]} for i in 1:n - 1);
   Real largest = max(cat(1, {x[1]}, {x[i + 1] for i in 1:n - 1}));
   Real forces = time + sum(c.normalForce) + sum(link.c.normalForce) + sum(link.x);
+  Real path[n - 1, 2, 3] = {{{x[i], x[i + 1], k} for k in 1:2} for i in 1:n - 1};
+  Real ends[n - 1, 2] = {{path[i, k, 3] for k in 1:2} for i in 1:n - 1};
+  Real places[n - 1, 2] = {link[i].x for i in 1:n - 1};
+  Real heights[n - 1] = {link[i].x[2] for i in 1:n - 1};
+  Real lengths[n - 1] = link.x[1];
   Real filled[n - 1] = fill(x[1], n - 1);
 end M;
