@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace tf::runtime {
@@ -192,8 +193,14 @@ StepStatus CvodeIntegrator::step(double limit) {
   double reached = beginTime_, stop = limit;
   s.problem.correction = 0;
   int outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
-  // Rounding errors of the model may be larger than the share of the tolerance: up to a tenth of it (theory.md section 6).
-  while ((outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE) && 3 * s.problem.tolerance <= 0.1 * settings_.tolerance) {
+  // Rounding errors of the model may be larger than the share of the tolerance: up to a tenth of it (theory.md section 6). Steps fail then,
+  // or they become ever shorter, which makes such errors no smaller.
+  constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
+  const auto isHindered = [&] {
+    const bool vanishes = outcome >= 0 && reached < limit && reached - beginTime_ <= rounding * std::abs(beginTime_);
+    return outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE || vanishes;
+  };
+  while (isHindered() && 3 * s.problem.tolerance <= 0.1 * settings_.tolerance) {
     s.problem.tolerance *= 3;
     repeat(limit);
     outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);

@@ -12,23 +12,24 @@ namespace tf::runtime {
 HeldRate largestHeldRate(ModelEvaluation &at, const Mode &mode, double time, const double *state) {
   const tf_model &model = at.model();
   HeldRate largest;
-  const auto compare = [&largest](HeldRate::Kind kind, int element, double rate) {
+  const double *velocities = state + model.nq;
+  const auto compare = [&largest](HeldRate::Kind kind, int element, double rate, double scale) {
     if (!(std::abs(rate) <= largest.size))
-      largest = {kind, element, std::abs(rate)};
+      largest = {kind, element, std::abs(rate), scale};
   };
   at.setPoint(time, state);
   at.switchingOfAll(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   for (int i = 0; i < model.nc; ++i)
     if (mode.closed[i])
-      compare(HeldRate::Kind::Gap, i, at.gapRate[i]);
+      compare(HeldRate::Kind::Gap, i, at.gapRate[i], at.scales.gapRate(i, velocities));
   for (int j = 0; j < model.nt; ++j)
     if (mode.tangent[j] == Tangent::Stick)
-      compare(HeldRate::Kind::Slip, j, at.slip[j]);
+      compare(HeldRate::Kind::Slip, j, at.slip[j], at.scales.slip(j, velocities));
   if (model.nh > 0)
     at.constraintResiduals();
   for (int k = 0; k < model.nk; ++k)
     for (int row = model.constraints[k].row_first, end = row + model.constraints[k].row_count; row < end; ++row)
-      compare(HeldRate::Kind::Constraint, k, at.residualRate[row]);
+      compare(HeldRate::Kind::Constraint, k, at.residualRate[row], at.scales.residualRate(row, velocities));
   return largest;
 }
 

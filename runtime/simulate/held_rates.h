@@ -13,6 +13,7 @@ struct HeldRate {
   Kind kind = Kind::None;
   int element = -1;  // contact, tangential row or constraint
   double size = 0;
+  double scale = 0;  // of velocities that it is a difference of
 };
 
 // The largest of them at (time, state), which becomes the evaluation's point.

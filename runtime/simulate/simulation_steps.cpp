@@ -99,7 +99,7 @@ bool Simulation::Implementation::isSuspicious(double correction) {
 // Does a derivative of a gap, slip or constraint that the mode holds jump inside the step, and a little beyond it? Then its rate does,
 // along the first order of the motion, and the run ends there: the rows of the mode are those of one side.
 tf_status Simulation::Implementation::checkJump() {
-  constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 1.25;
+  constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 1.25, rounding = 1e-9;
   SmoothIntegrator &integrator = integrators_.current();
   const double begin = integrator.beginTime();
   interpolated_.assign(integrator.begin(), integrator.begin() + n_);
@@ -121,7 +121,7 @@ tf_status Simulation::Implementation::checkJump() {
       before = rate.size;
   }
   at_.setPoint(integrator.endTime(), integrator.end());
-  if (after.size - before > 0.5 * after.size)
+  if (after.size - before > std::max(0.5 * after.size, rounding * after.scale))
     return fail(fmt::format("the derivative of {} jumps at t = {:.10g}", nameOf(model_, after), low));
   return TF_OK;
 }

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <stdexcept>
 
 namespace tf::test {
 namespace {
@@ -203,6 +205,42 @@ end Crank;
 }
 
 INSTANTIATE_TEST_SUITE_P(Integrators, Constraints, testing::Values(TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE), nameOf);
+
+// A pin without friction in a bushing that is a little wider: the direction of the gap is a difference of positions, known to rounding over
+// the clearance, which is more than CVODE's share of a tight tolerance. Its steps shrink without end for that, and no derivative jumps.
+TEST(TightClearances, HinderNoIntegratorByRounding) {
+  const std::string file = sourceFile("clearance_joint.tf", R"(
+model ClearanceJoint "slider-crank whose crank pin has a clearance"
+  parameter Real l[2] = {0.15, 0.5}, m[3] = {0.3, 0.4, 0.5}, c = 0.001, e = 0.2;
+  coordinate Real a(start = 0.3, der(start = 20));
+  coordinate Real q[2](start = {0.15*cos(0.3) + 0.0002, 0.15*sin(0.3)}, der(start = {-3*sin(0.3), 3*cos(0.3)}));
+  coordinate Real phi(start = -0.0888, fixed = false, der(start = -5.7, fixed = false));
+  coordinate Real x(start = 0.64, fixed = false, der(start = -1, fixed = false));
+  Real pin[2] = q - l[1]*{cos(a), sin(a)};
+  body crank(mass = m[1], position = l[1]/2*{cos(a), sin(a)}, angle = a, inertia = m[1]*l[1]^2/12);
+  body rod(mass = m[2], position = q + l[2]/2*{cos(phi), sin(phi)}, angle = phi, inertia = m[2]*l[2]^2/12);
+  body slider(mass = m[3], position = {x, 0});
+  constraint joint(residual = q + l[2]*{cos(phi), sin(phi)} - {x, 0});
+  gravity weight(acceleration = {0, -9.81});
+  contact ring(gap = c - sqrt(pin[1]^2 + pin[2]^2), restitution = e);
+end ClearanceJoint;
+)");
+  constexpr double amplification = 10, end = 0.5;
+  CompiledModel reference(file);
+  reference.tolerance(1e-12).integrator(TF_STEP).run(end);
+  for (const double tolerance : {1e-8, 3e-10, 1e-10}) {
+    CompiledModel model(file);
+    ASSERT_NO_THROW(model.tolerance(tolerance).integrator(TF_CVODE).run(end)) << tolerance;
+    for (const char *variable : {"a", "phi", "x"})
+      EXPECT_NEAR(model[variable], reference[variable], amplification * 10 * tolerance) << tolerance << ' ' << variable;
+  }
+  CompiledModel tight(file);
+  try {
+    tight.tolerance(1e-13).integrator(TF_CVODE).run(end);
+  } catch (const std::runtime_error &error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("the integrator cannot meet tolerance 1e-13"));
+  }
+}
 
 TEST(RedundantConstraints, AreCountedAndChangeNothing) {
   CompiledModel model(sourceFile("pendulum_held_twice.tf", R"(model Pendulum
