@@ -240,6 +240,11 @@ public:
   void setSlipReferences(const double *directions) { slips_.setReferences(directions); }
   // Turns the references of slips that start to the friction at (time, state), see SlipDirections::turnToFriction.
   double turnToFriction(double time, const double *state);
+  // Reference directions become those of the slips at (time, state).
+  void turnToSlips(double time, const double *state) {
+    readSlips(time, state);
+    slips_.turnToSlips();
+  }
   // Angles from the references of slips that start to the slips at (time, state), one for each pair; zero for others.
   void slipAngles(double time, const double *state, double *angles);
   // dy/dt at (time, state), where slips start, with the references turned by these angles for once.

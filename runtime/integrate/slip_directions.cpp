@@ -133,6 +133,12 @@ void SlipDirections::turnReferences(const double *angles) {
   }
 }
 
+void SlipDirections::turnToSlips() {
+  for (Pair &pair : pairs_)
+    if (const double x = along(pair), y = across(pair), size = std::hypot(x, y); size > 0)
+      turn(pair, x / size, y / size);
+}
+
 double SlipDirections::turnToFriction() {
   constexpr double steepest = 0.5;
   double largest = 0;

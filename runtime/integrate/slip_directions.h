@@ -55,6 +55,8 @@ public:
   // Angles from the references of those that start to the slips at the point of the latest `switching`, one for each pair; zero for others.
   void angles(double *values) const;
   void turnReferences(const double *angles);
+  // The reference directions become those of the slips, which are not zero, at the point of the latest `switching`.
+  void turnToSlips();
   // One of those that grew has the opposite direction at the point of the latest `switching`.
   [[nodiscard]] bool turnBack() const;
   // No slip is small any more at the point of the last `renew`.

@@ -155,6 +155,9 @@ void Sensitivities::fixSlips(double time, const double *state) {
     return;
   slipChange_.resize(slips_.size());
   slipByVelocity_.resize(slips_.size(), nv);
+  // Slips of a rigid body may depend on one another: what tells them apart, by rounding or by a slight tilt, would take large velocities.
+  constexpr double dependent = 1e-7;
+  velocityBySlip_.setThreshold(dependent);
   dynamics_.turningSlipsByVelocity(time, state, slipByVelocity_.data());
   velocityBySlip_.compute(slipByVelocity_);
   dynamics_.turningSlips(time, state, slips_.data());
@@ -199,6 +202,10 @@ bool Sensitivities::evaluate(SmoothIntegrator &integrator, double time) {
   dynamics_.holdDirections(0);
   if (!dynamics_.evaluate(time, state_.data(), rate_.data()))
     return false;
+  if (held_ > 0) {
+    dynamics_.holdDirections(held_);
+    return dynamics_.evaluate(time, state_.data(), rate_.data());
+  }
   return !dynamics_.holdStartingDirections(margin * integrator.settings().tolerance) ||
          dynamics_.evaluate(time, state_.data(), rate_.data());
 }
@@ -312,7 +319,8 @@ double Sensitivities::nextPiece(double length, double error, double jump) {
   return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longest);
 }
 
-bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end) {
+bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end, double held) {
+  held_ = held;
   const bool isKnown = addPieces(integrator, begin, end);
   if (!isKnown)
     matrix_.setConstant(std::numeric_limits<double>::quiet_NaN());

@@ -34,8 +34,8 @@ public:
   // S = ∂(starts)/∂θ.
   void start(double time);
   // S over a part of the integrator's last step in the dynamics' mode, which is left at a point inside it. False: it could not be
-  // evaluated, and is not known (NaN).
-  bool addStep(SmoothIntegrator &integrator, double begin, double end);
+  // evaluated, and is not known (NaN). Slips of two components that are not faster than `held` of their scale do not turn.
+  bool addStep(SmoothIntegrator &integrator, double begin, double end, double held = 0);
   // An event at (time, state) with rate f⁻: at the common zero of `guards` (one at least) of the dynamics' mode. Events
   // at times that do not depend on θ need no such call.
   EventDerivative beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards);
@@ -131,6 +131,7 @@ private:
   Eigen::VectorXd eventTime_;                 // δt of each column
   Eigen::VectorXd lastEventTime_;             // of the event that ended last
   std::vector<double> state_, rate_, samples_;
+  double held_ = 0;                 // of addStep
   std::vector<double> refinement_;  // of each column's differences of a map
   LinearCollocation gauss_, damped_;
   Eigen::MatrixXd largest_, seen_;  // n × columns: |S| up to now; with that of the piece

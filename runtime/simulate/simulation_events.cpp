@@ -71,7 +71,9 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
     if (!sensitivities_->propagate(stop, time_, state_.data()) || !dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failSensitivities("the mode that begins");
     // That instant's impulses have shares, too, which are not those of the mode; where nothing can move afterwards they do not matter.
-    isShareLost_ = (isShareLost_ && !dynamics_.holdsAll()) || (sensitivities_->hasMoved() && dynamics_.sharesMove());
+    const bool hasMoved = sensitivities_->hasMoved() || hasStopMoved_;
+    hasStopMoved_ = false;
+    isShareLost_ = (isShareLost_ && !dynamics_.holdsAll()) || (hasMoved && dynamics_.sharesMove());
     if (sensitivities_->isOneSided())
       return failSensitivities("an event at which those for larger and for smaller values of a parameter differ");
     // How the load is shared at the first instant of a slip depends on the direction that it is about to take.
@@ -236,8 +238,12 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   for (int pass = 0; pass < mostReturns && !stops && detection_.returnToGap(event.guard); ++pass)
     if (const tf_status status = projectEnd(); status != TF_OK)
       return status;
-  if (const tf_status status = commit(); status != TF_OK)
-    return status;
+  if (stops && sensitivities_)
+    findStopping(event.guard);
+  const tf_status committed = commit();
+  stopping_ = {};
+  if (committed != TF_OK)
+    return committed;
   // Other least-norm forces of redundant contacts: the same motion, no event.
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
     dynamics_.renewDirections(time_, state_.data());
@@ -258,7 +264,11 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (guard.kind == GuardKind::Condition)
     crossSwitch(event.guard,
                 std::max(nearby * std::min(1.0, 100 * timeScale()), ulps * std::numeric_limits<double>::epsilon() * std::abs(time_)));
-  return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
+  const int stopped = stops ? dynamics_.slipRow(event.guard) : -1;
+  if (stops && sensitivities_)
+    if (const tf_status status = differentiateStop(); status != TF_OK)
+      return status;
+  return changeMode(guard, stopped, limit);
 }
 
 // The time that has passed since the start, at least a second, at most what the state's fastest part takes, by rate_, for a change of its
@@ -364,6 +374,52 @@ tf_status Simulation::Implementation::differentiateEvent(int guard) {
     names += fmt::format("{}'{}' {}", names.empty() ? "" : ", ", contact.name, sourceOf(contact.location));
   }
   return failSensitivities(fmt::format("the impact of {}, which come one after the other nearby,", names));
+}
+
+// Friction turns within a time of the order of the slip that is left: right before a stop derivatives of its direction are made of errors.
+// In that last part of the step it keeps the direction in which the slip has come there, and differentiateStop does the rest.
+void Simulation::Implementation::findStopping(int guard) {
+  constexpr double least = 1e-7, slow = 1e3, margin = 2;
+  SmoothIntegrator &integrator = integrators_.current();
+  const double part = std::max(least, slow * stopTolerance()), left = part * dynamics_.slipScale(guard);
+  const auto speedAt = [&](double time) {
+    integrator.interpolate(time, interpolated_.data());
+    at_.setPoint(time, interpolated_.data());
+    at_.switching(ModelEvaluation::Slips);
+    return dynamics_.slipSpeed(guard);
+  };
+  double early = integrator.beginTime(), late = integrator.endTime();
+  if (speedAt(early) <= left)
+    late = early;
+  constexpr int bisections = 40;
+  for (int k = 0; k < bisections && late > early; ++k)
+    (speedAt(0.5 * (early + late)) > left ? early : late) = 0.5 * (early + late);
+  integrator.interpolate(late, interpolated_.data());
+  dynamics_.turnToSlips(late, interpolated_.data());
+  stopping_ = {late, margin * part};
+}
+
+// Slips of two components that have stopped at (time_, state_) stop nearby within an instant of the order of the difference, whose impulses
+// are those of friction on them and of what else the mode holds: contacts that open with the stop do so behind it.
+tf_status Simulation::Implementation::differentiateStop() {
+  Mode &stopping = restingMode_;
+  stopping = mode_;
+  const std::vector<int> pair = pairsOfTangents(model_);
+  at_.setPoint(time_, state_.data());
+  at_.switchingOfAll(ModelEvaluation::Slips);
+  const auto isStill = [this](int row) { return std::abs(at_.slip[row]) <= selection_.stillSlip(row, state_.data()); };
+  for (int row = 0; row < model_.nt; ++row)
+    if (stopping.tangent[row] == Tangent::SlipPositive && pair[row] >= 0 && isStill(row) && isStill(pair[row]))
+      stopping.tangent[row] = Tangent::Stick;
+  const double *scale = integrators_.current().settings().scale.data();
+  const bool hasForces = dynamics_.start(stopping, time_, state_.data());
+  const auto stop = [&](double time, double *state) {
+    return hasForces ? dynamics_.stop(time, state, scale) : projectOnto(stopping, time, state);
+  };
+  if (!sensitivities_->propagate(stop, time_, state_.data()))
+    return failSensitivities("the end of a slip");
+  hasStopMoved_ = sensitivities_->hasMoved();
+  return TF_OK;
 }
 
 // By the condition's value in the middle of the step that ends with the switch's change.

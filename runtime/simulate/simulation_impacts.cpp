@@ -29,11 +29,15 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
       forced >= 0 ? selection_.touching() : impact_.reached(time_, state_.data(), selection_.touching(), approaching);
   // Impacts that the tolerance of velocities does not see have no restitution: where bounces accumulate in a way that cannot be summed
   // (slips of two components that turn with each of them), they end here. Of several contacts with restitution each goes on shaking the
-  // others, in cascades within cascades: there the tolerance itself is the limit, as of the error of one step.
+  // others, in cascades within cascades: there the tolerance itself is the limit, as of the error of one step. Impacts whose slips turn are
+  // followed numerically, and what they leave of slower ones may be as fast.
+  constexpr double followed = 1e-9;
   const bool turns = std::any_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); });
   const bool shakes =
       contacts.size() > 1 && std::any_of(contacts.begin(), contacts.end(), [this](int i) { return at_.restitution[i] > 0; });
-  const double part = shakes ? std::max(integrators_.current().settings().tolerance, stopTolerance()) : stopTolerance();
+  const double part = shakes  ? std::max(integrators_.current().settings().tolerance, stopTolerance())
+                      : turns ? std::max(followed, stopTolerance())
+                              : stopTolerance();
   const double slow = part * velocityScale(contacts);
   std::vector<int> starters;
   if (forced >= 0) {
@@ -76,6 +80,15 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   return TF_OK;
 }
 
+// The mode before the impact, with the step variables of now: of a run that starts there is none yet.
+void Simulation::Implementation::copyMode(Mode &mode) const {
+  mode = mode_;
+  mode.switches.resize(model_.ns, Switch::Zero);
+  for (int j = 0; j < model_.ns; ++j)
+    if (mode.switches[j] != Switch::Sliding)
+      mode.switches[j] = at_.stepVariable[j] == 1 ? Switch::One : Switch::Zero;
+}
+
 // Onto what a mode holds at zero, whether or not it has admissible forces: settle() decides whether the contacts stay closed. False: the
 // rows cannot be evaluated.
 bool Simulation::Implementation::projectOnto(const Mode &mode, double time, double *state) {
@@ -100,7 +113,8 @@ void Simulation::Implementation::closeTogether(const std::vector<int> &contacts)
   constexpr double farthest = 1e-7;
   if (std::none_of(contacts.begin(), contacts.end(), [this](int i) { return sharesDisk(model_.contacts[i]); }))
     return;
-  Mode touching = mode_;
+  Mode touching;
+  copyMode(touching);
   std::fill(touching.closed.begin(), touching.closed.end(), std::uint8_t{0});
   std::fill(touching.tangent.begin(), touching.tangent.end(), Tangent::None);
   at_.setPoint(time_, state_.data());
@@ -165,7 +179,7 @@ bool Simulation::Implementation::acceptsStop(const std::vector<int> &contacts, c
 // another again and again.
 tf_status Simulation::Implementation::stopSlow(const std::vector<int> &contacts, double slow) {
   Mode &resting = restingMode_;
-  resting = mode_;
+  copyMode(resting);
   at_.setPoint(time_, state_.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Slips);
   for (const int i : contacts) {

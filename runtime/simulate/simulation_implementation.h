@@ -59,6 +59,10 @@ public:
   bool modeValid_ = false;
   double suggestedStep_ = 0;
   double nextSample_ = std::numeric_limits<double>::infinity();
+  // From `begin` on slips of two components stop that are not faster than `held` of their scale.
+  struct Stopping {
+    double begin = std::numeric_limits<double>::infinity(), held = 0;
+  } stopping_;
   bool isInSample_ = false;                                       // time_ and state_ are those of a sample
   double switchTime_ = -std::numeric_limits<double>::infinity();  // of the last switch
   double jamTime_ = -std::numeric_limits<double>::infinity();     // of the last contact that has jammed
@@ -77,6 +81,7 @@ public:
   Invariants invariants_;
   std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
   bool isShareLost_ = false;                      // theirs, unless nothing can move within what the tolerance leaves open
+  bool hasStopMoved_ = false;                     // the latest differentiateStop has changed a derivative of a state
   bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
   Redundancy redundancy_;
   EnergyJump energyJump_;
@@ -151,6 +156,8 @@ private:
   int switchAhead();
   tf_status passSwitch(int guard, double limit);
   tf_status differentiateEvent(int guard);
+  void findStopping(int guard);
+  tf_status differentiateStop();
   std::vector<Transition> &beginTransitions();
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
@@ -170,6 +177,7 @@ private:
   // simulation_impacts.cpp
   [[nodiscard]] double velocityScale(const std::vector<int> &contacts) const;
   tf_status freeze(std::vector<Transition> &transitions, int forced);
+  void copyMode(Mode &mode) const;
   bool projectOnto(const Mode &mode, double time, double *state);
   void closeTogether(const std::vector<int> &contacts);
   tf_status stopFaint(const std::vector<int> &contacts);

@@ -15,7 +15,9 @@ bool Simulation::Implementation::passStep(double &begin, double end) {
   SmoothIntegrator &integrator = integrators_.current();
   if (energy_)
     energy_->addStep(integrator, begin, end);
-  const bool differentiated = !sensitivities_ || sensitivities_->addStep(integrator, begin, end);
+  const double turned = std::clamp(stopping_.begin, begin, end);
+  const bool differentiated = !sensitivities_ || (sensitivities_->addStep(integrator, begin, turned) &&
+                                                  sensitivities_->addStep(integrator, turned, end, stopping_.held));
   begin = end;
   return differentiated;
 }
@@ -96,10 +98,10 @@ bool Simulation::Implementation::isSuspicious(double correction) {
   return correction > std::min(100 * tolerance, 0.01) || correction > 0.1 * motion * (integrator.endTime() - integrator.beginTime());
 }
 
-// Does a derivative of a gap, slip or constraint that the mode holds jump inside the step, and a little beyond it? Then its rate does,
-// along the first order of the motion, and the run ends there: the rows of the mode are those of one side.
+// Does a derivative of a gap, slip or constraint that the mode holds jump inside the step, and a little beyond its ends? Then its rate
+// does, along the first order of the motion, and the run ends there: the rows of the mode are those of one side.
 tf_status Simulation::Implementation::checkJump() {
-  constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 1.25, rounding = 1e-9;
+  constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 0.25, nearby = 1e-10, rounding = 1e-9;
   SmoothIntegrator &integrator = integrators_.current();
   const double begin = integrator.beginTime();
   interpolated_.assign(integrator.begin(), integrator.begin() + n_);
@@ -108,7 +110,8 @@ tf_status Simulation::Implementation::checkJump() {
       interpolated_[k] = integrator.begin()[k] + (time - begin) * integrator.beginRate()[k];
     return largestHeldRate(at_, mode_, time, interpolated_.data());
   };
-  double low = begin, high = begin + beyond * (integrator.endTime() - begin), before = rateAt(low).size;
+  const double reach = std::max(beyond * (integrator.endTime() - begin), nearby * std::abs(begin));
+  double low = begin - reach, high = integrator.endTime() + reach, before = rateAt(low).size;
   HeldRate after = rateAt(high);
   const double middle = 0.5 * (before + after.size);
   while (high - low > resolution * std::max(std::abs(high), high - begin)) {

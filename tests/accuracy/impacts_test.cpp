@@ -431,6 +431,47 @@ end DiscsInGroove;
     }
 }
 
+// Where a run begins there is no mode yet whose switches an impact of slips with two components could keep: x(0) = 0 with friction that
+// stops it, then x'' = ±1 about x = 0.3.
+TEST(Impacts, AtTheStartOfAModelWithSwitches) {
+  for (const char *friction : {"Exact", "Relaxed"}) {
+    CompiledModel model(sourceFile("impact_at_start.tf", fmt::format(R"(
+model ImpactAtStart
+  coordinate Real q[3](start = {{0, 0, 0}}, der(start = {{0.5, 0, -1}}));
+  body b(mass = 1, position = q);
+  force f(value = -sign(q[1] - 0.3), at = q[1]);
+  contact floor(gap = q[3], slip = der(q[1:2]), friction = 0.5, frictionForm = FrictionForm.{});
+end ImpactAtStart;
+)",
+                                                                     friction)));
+    model.tolerance(1e-9).run(1);
+    const double reached = std::sqrt(0.6), left = 1 - reached;
+    EXPECT_NEAR(model["q[1]"], 0.3 + reached * left - left * left / 2, 1e-8) << friction;
+    EXPECT_NEAR(model["der(q[1])"], reached - left, 1e-8) << friction;
+    EXPECT_NEAR(model["q[3]"], 0, 1e-12) << friction;
+  }
+}
+
+// Impacts with slips of two components are followed to 1e-10 of velocities: slower ones than 1e-9 do not bounce, at any tolerance, which
+// would go on for ever by what they are wrong by.
+TEST(Impacts, WithTurningSlipsDoNotBounceByTheirErrors) {
+  for (const double tolerance : {1e-6, 1e-9, 1e-11})
+    for (const double speed : {2e-10, 8e-10, 1e-7, 1e-3}) {
+      CompiledModel model(sourceFile("slow_impact.tf", R"(
+model SlowImpact
+  parameter Real speed = 1, e = 0.6;
+  coordinate Real q[3](start = {0, 0, 0}, der(start = {0.7, 0.2, -speed}));
+  body b(mass = 1, position = q);
+  contact floor(gap = q[3], slip = der(q[1:2]), friction = 0.5, restitution = e);
+end SlowImpact;
+)"),
+                          {{"speed", speed}});
+      model.tolerance(tolerance).initialise();
+      const bool bounces = speed > std::max(1e-9, 0.05 * tolerance);
+      EXPECT_NEAR(model["der(q[3])"], bounces ? 0.6 * speed : 0, 1e-10 + 1e-9 * speed) << tolerance << ' ' << speed;
+    }
+}
+
 // What slides slowly, with or without friction, is not what an impact elsewhere has shaken, whatever the tolerance is.
 TEST(Impacts, LeaveSlowSlipsAsTheyAre) {
   const std::string file = sourceFile("creepers.tf", R"(

@@ -1,12 +1,11 @@
 // Sensitivities across impacts, stick and slip: against closed forms, and against differences of whole runs.
 #include "tests/accuracy/each_integrator.h"
 #include "tests/accuracy/pushed_table.h"
+#include "tests/accuracy/run_differences.h"
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <cmath>
-#include <functional>
 #include <gtest/gtest.h>
-#include <ostream>
 
 namespace tf::test {
 namespace {
@@ -148,18 +147,6 @@ TEST(Sensitivities, NamesOfResultsAreRefused) {
   std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
   model.initialise();
   EXPECT_EQ(tf_get_sensitivity(model.simulation(), 0, all.data()), TF_BAD_ARGUMENT);
-}
-
-struct DifferenceCase {
-  const char *file;
-  double time;
-  const char *name;
-  double value;
-  double tolerance = 2e-7;
-};
-
-std::ostream &operator<<(std::ostream &out, const DifferenceCase &c) {
-  return out << std::string(c.file).substr(0, std::string(c.file).find('\n')) << " by " << c.name << " at " << c.time;
 }
 
 constexpr const char *kBall = R"(model Ball "with backspin"
@@ -384,47 +371,9 @@ constexpr const char *kTether =
 end Tether;
 )";
 
-// A model's text, or (without spaces) the name of an example.
-std::string fileOf(const char *model) {
-  const std::string text = model;
-  return text.find(' ') == std::string::npos ? example(text)
-                                             : sourceFile("sensitivity" + std::to_string(std::hash<std::string>()(text)) + ".tf", text);
-}
-
 class RunDifferences : public testing::TestWithParam<DifferenceCase> {};
 
-std::vector<double> states(CompiledModel &model) {
-  std::vector<double> all = model.valuesOf(TF_KIND_COORDINATE);
-  const std::vector<double> velocities = model.valuesOf(TF_KIND_VELOCITY);
-  all.insert(all.end(), velocities.begin(), velocities.end());
-  return all;
-}
-
-TEST_P(RunDifferences, Agree) {
-  const DifferenceCase &c = GetParam();
-  // Of order 4: some of the runs are far from linear in their parameter.
-  const double h = 1e-5 * std::max(1.0, std::abs(c.value));
-  const auto run = [&](double value) {
-    CompiledModel model(fileOf(c.file), {{c.name, value}});
-    model.tolerance(1e-12).run(c.time);
-    return states(model);
-  };
-  const std::vector<double> plus = run(c.value + h), minus = run(c.value - h), plus2 = run(c.value + 2 * h), minus2 = run(c.value - 2 * h);
-  CompiledModel model(fileOf(c.file), {{c.name, c.value}});
-  differentiateBy(model, {c.name});
-  model.tolerance(1e-10).run(c.time);
-  std::vector<double> all(static_cast<std::size_t>(model.model().variable_count));
-  ASSERT_EQ(tf_get_sensitivity(model.simulation(), 0, all.data()), TF_OK) << tf_error_text(model.simulation());
-  for (std::int32_t k = 0; k < model.model().variable_count; ++k) {
-    const tf_variable &variable = model.model().variables[k];
-    const bool isVelocity = variable.kind == TF_KIND_VELOCITY;
-    if (!isVelocity && variable.kind != TF_KIND_COORDINATE)
-      continue;
-    const auto place = static_cast<std::size_t>(variable.index) + (isVelocity ? model.model().nq : 0);
-    const double expected = (8 * (plus[place] - minus[place]) - (plus2[place] - minus2[place])) / (12 * h);
-    EXPECT_NEAR(all[static_cast<std::size_t>(k)], expected, c.tolerance * std::max(1.0, std::abs(expected))) << variable.name;
-  }
-}
+TEST_P(RunDifferences, Agree) { expectDifferences(GetParam()); }
 
 INSTANTIATE_TEST_SUITE_P(Examples, RunDifferences,
                          testing::Values(DifferenceCase{"falling_rod.tf", 0.6, "mu", 0.3},

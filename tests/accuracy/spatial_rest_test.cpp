@@ -9,7 +9,7 @@
 namespace tf::test {
 namespace {
 
-constexpr double gravity = 9.81, slope = 0.4, friction = 0.15, restitution = 0.6;
+constexpr double gravity = 9.81, slope = 0.4, frictionCoefficient = 0.15, restitution = 0.6;
 
 // A particle that bounces on a slope, from bounce to bounce: flights are parabolas; an impact takes μ times the normal impulse off the
 // slip, along the slip.
@@ -26,7 +26,7 @@ struct Bounces {
       place[1] += slip[1] * flight - 0.5 * along * flight * flight;
       slip[1] -= along * flight;
       time += flight;
-      const double size = std::hypot(slip[0], slip[1]), loss = std::min(size, friction * (1 + restitution) * speed);
+      const double size = std::hypot(slip[0], slip[1]), loss = std::min(size, frictionCoefficient * (1 + restitution) * speed);
       for (double &component : slip)
         component *= 1 - loss / size;
       speed *= restitution;
@@ -57,7 +57,7 @@ end BouncingParticle;
   EXPECT_NEAR(model["x"], bounces.place[0] + later * bounces.slip[0], 10 * tolerance);
   EXPECT_NEAR(model["y"], bounces.place[1] + later * bounces.slip[1], 10 * tolerance);
   EXPECT_NEAR(model["z"], 0, 1e-12);
-  const double deceleration = friction * gravity * std::cos(slope) / std::hypot(bounces.slip[0], bounces.slip[1]);
+  const double deceleration = frictionCoefficient * gravity * std::cos(slope) / std::hypot(bounces.slip[0], bounces.slip[1]);
   EXPECT_NEAR(model["der(x)"], bounces.slip[0] * (1 - later * deceleration), 10 * tolerance);
   EXPECT_NEAR(model["der(y)"], bounces.slip[1] * (1 - later * deceleration) - later * gravity * std::sin(slope), 10 * tolerance);
   // Far fewer impacts than it takes to come down to rounding.
