@@ -194,10 +194,11 @@ StepStatus CvodeIntegrator::step(double limit) {
   s.problem.correction = 0;
   int outcome = CVode(s.memory, limit, s.state, &reached, CV_ONE_STEP);
   // Rounding errors of the model may be larger than the share of the tolerance: up to a tenth of it (theory.md section 6). Steps fail then,
-  // or they become ever shorter, which makes such errors no smaller.
+  // or they become ever shorter, which makes such errors no smaller; towards a pole they do so, too.
   constexpr double rounding = 64 * std::numeric_limits<double>::epsilon();
   const auto isHindered = [&] {
-    const bool vanishes = outcome >= 0 && reached < limit && reached - beginTime_ <= rounding * std::abs(beginTime_);
+    const bool vanishes =
+        outcome >= 0 && reached < limit && reached - beginTime_ <= rounding * std::abs(beginTime_) && !dynamics_.mayTurnBeyondPole();
     return outcome == CV_CONV_FAILURE || outcome == CV_ERR_FAILURE || vanishes;
   };
   while (isHindered() && 3 * s.problem.tolerance <= 0.1 * settings_.tolerance) {

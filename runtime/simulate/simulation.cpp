@@ -211,7 +211,7 @@ tf_status Simulation::Implementation::takeStarts() {
 
 tf_status Simulation::Implementation::solveStart() {
   sensitivities_.reset();
-  isShareLost_ = areSensitivitiesLost_ = false;
+  isShareLost_ = areSensitivitiesLost_ = hasStopMoved_ = false;
   if (!owner_.options.sensitivities.empty()) {
     if (std::string text = failures_.relaxedSensitivities(); !text.empty())
       return fail(std::move(text));
