@@ -104,7 +104,7 @@ ExprPtr filled(Typer &typer, const ExprPtr &value, const Arguments &sizes, std::
     typer.diagnostics().report(diag::ArrayTooLarge, span, kMaximumArraySize);
     return nullptr;
   }
-  return total > 0 ? broadcast(value, dims) : makeEmpty(value->type, dims, span);
+  return total > 0 ? broadcast(value, dims) : makeBlank(value->type, dims, span);
 }
 
 ExprPtr typeZeros(Typer &typer, const Arguments &arguments, const ast::Expr &call) {

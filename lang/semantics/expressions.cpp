@@ -83,14 +83,12 @@ ExprPtr makeLiteral(Type type, std::vector<double> values, Span span) {
   return share(std::move(expr));
 }
 
-ExprPtr makeEmpty(Type element, const std::vector<int> &dims, Span span) {
+ExprPtr makeBlank(Type element, const std::vector<int> &dims, Span span) {
   element.dims.insert(element.dims.begin(), dims.begin(), dims.end());
-  return makeLiteral(std::move(element), {}, span);
-}
-
-ExprPtr makeBlank(const Type &type, Span span) {
-  const ExprPtr element = type.base == Base::String ? makeString({}, span) : makeLiteral({type.base, {}}, {0}, span);
-  return broadcast(element, type.dims);
+  const int count = sizeOf(element.dims);
+  if (element.base == Base::String && count > 0)
+    return broadcast(makeString({}, span), element.dims);
+  return makeLiteral(std::move(element), std::vector<double>(static_cast<std::size_t>(count)), span);
 }
 
 ExprPtr makeReal(double value, Span span) { return makeLiteral({Base::Real, {}}, {value}, span); }

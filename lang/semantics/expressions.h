@@ -27,10 +27,9 @@ using flat::Variability;
 [[nodiscard]] ExprPtr makeString(std::string text, Span span);
 // Row-major values of an array or scalar.
 [[nodiscard]] ExprPtr makeLiteral(Type type, std::vector<double> values, Span span);
-// An array without elements, which would be of type `element`; one of the leading `dims` is zero.
-[[nodiscard]] ExprPtr makeEmpty(Type element, const std::vector<int> &dims, Span span);
-// Zero, false or an empty text in all places: a value of this type.
-[[nodiscard]] ExprPtr makeBlank(const Type &type, Span span);
+// Zero, false or an empty text in all places of an array, with these leading dimensions, of elements of a type: an array that has no
+// elements, or a value of which the type is all that is asked for.
+[[nodiscard]] ExprPtr makeBlank(Type element, const std::vector<int> &dims, Span span);
 
 [[nodiscard]] ExprPtr makeUnary(flat::Operator op, ExprPtr operand, Span span, Diagnostics &diagnostics);
 // `isElementwise`: the dotted form of + and -, which accepts a scalar beside an array.

@@ -169,7 +169,7 @@ private:
       if (!declareVariable(body, *member.component, index))
         return std::nullopt;
       if (member.component->clause->causality == ast::Causality::Output)
-        outputs.push_back(makeBlank(body.typeOf(member.name), call_.span));
+        outputs.push_back(makeBlank(body.typeOf(member.name), {}, call_.span));
     }
     return outputs.empty() ? std::nullopt : std::optional(std::move(outputs));
   }

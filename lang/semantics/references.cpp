@@ -132,8 +132,8 @@ private:
     const bool isVariable = isLast(part + 1) && found->component != nullptr && resolve(context_, *found->component) &&
                             found->component->isLeaf() && !found->component->leaf->predefined->isElement();
     if (!isVariable)
-      return broadcast(makeBlank({Base::Real, {}}, span_), dims);
-    const ExprPtr element = makeBlank(typeOf(*found->component), span_);
+      return makeBlank({Base::Real, {}}, dims, span_);
+    const ExprPtr element = makeBlank(typeOf(*found->component), {}, span_);
     const auto inner = subscripts(part + 1, element->type.dims);
     return inner ? broadcast(makeIndex(element, *inner, span_), dims) : nullptr;
   }

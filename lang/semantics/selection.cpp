@@ -108,7 +108,7 @@ ExprPtr makeIndex(const ExprPtr &array, std::vector<Selection> selections, Span 
     return array;
   const Type type{array->type.base, selectedDims(selections)};
   if (selectsFromNone(selections, dims))
-    return makeBlank(type, span);
+    return makeBlank(type, {}, span);
   switch (array->kind) {
   case ExprKind::Literal:
     if (type.base == Base::String)

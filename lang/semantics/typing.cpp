@@ -297,7 +297,7 @@ ExprPtr Typer::typeEmpty(const ast::Expr &expr, std::size_t level, const Locals 
   if (element == nullptr && diagnostics().errorCount() > errors)
     return nullptr;
   // Elements of arrays that have none are not typed: numbers, most likely.
-  return makeEmpty(element == nullptr ? Type{Base::Real, {}} : element->type, {0}, expr.span);
+  return makeBlank(element == nullptr ? Type{Base::Real, {}} : element->type, {0}, expr.span);
 }
 
 namespace {
