@@ -42,6 +42,9 @@ Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instan
     *border = {slopes_.front(), matrix_, false};
   still_.assign(static_cast<std::size_t>(n_), 0.0);
   point_.resize(state_.size());
+  // Slips of a rigid body may depend on one another: what tells them apart, by rounding or by a slight tilt, would take large velocities.
+  constexpr double dependent = 1e-7;
+  velocityBySlip_.setThreshold(dependent);
 }
 
 template <class Function> bool Sensitivities::difference(const Function &function, double scale, int count, double *derivative) {
@@ -155,9 +158,6 @@ void Sensitivities::fixSlips(double time, const double *state) {
     return;
   slipChange_.resize(slips_.size());
   slipByVelocity_.resize(slips_.size(), nv);
-  // Slips of a rigid body may depend on one another: what tells them apart, by rounding or by a slight tilt, would take large velocities.
-  constexpr double dependent = 1e-7;
-  velocityBySlip_.setThreshold(dependent);
   dynamics_.turningSlipsByVelocity(time, state, slipByVelocity_.data());
   velocityBySlip_.compute(slipByVelocity_);
   dynamics_.turningSlips(time, state, slips_.data());

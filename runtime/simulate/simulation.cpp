@@ -260,8 +260,8 @@ tf_status Simulation::Implementation::settleStart() {
   const bool impact = !selection_.approaching().empty();
   // The values of the variables before an impact or a frictional impulse at the start time need a mode: all contacts open.
   if (owner_.onEvent && !selection_.touching().empty()) {
-    Mode open = mode_;
-    open.switches.assign(model_.ns, Switch::Zero);
+    Mode open;
+    copyMode(open);
     dynamics_.start(open, time_, state_.data());
     values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
   }

@@ -264,11 +264,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (guard.kind == GuardKind::Condition)
     crossSwitch(event.guard,
                 std::max(nearby * std::min(1.0, 100 * timeScale()), ulps * std::numeric_limits<double>::epsilon() * std::abs(time_)));
-  const int stopped = stops ? dynamics_.slipRow(event.guard) : -1;
-  if (stops && sensitivities_)
-    if (const tf_status status = differentiateStop(); status != TF_OK)
-      return status;
-  return changeMode(guard, stopped, limit);
+  return changeMode(guard, stops ? dynamics_.slipRow(event.guard) : -1, limit);
 }
 
 // The time that has passed since the start, at least a second, at most what the state's fastest part takes, by rate_, for a change of its
@@ -376,52 +372,6 @@ tf_status Simulation::Implementation::differentiateEvent(int guard) {
   return failSensitivities(fmt::format("the impact of {}, which come one after the other nearby,", names));
 }
 
-// Friction turns within a time of the order of the slip that is left: right before a stop derivatives of its direction are made of errors.
-// In that last part of the step it keeps the direction in which the slip has come there, and differentiateStop does the rest.
-void Simulation::Implementation::findStopping(int guard) {
-  constexpr double least = 1e-7, slow = 1e3, margin = 2;
-  SmoothIntegrator &integrator = integrators_.current();
-  const double part = std::max(least, slow * stopTolerance()), left = part * dynamics_.slipScale(guard);
-  const auto speedAt = [&](double time) {
-    integrator.interpolate(time, interpolated_.data());
-    at_.setPoint(time, interpolated_.data());
-    at_.switching(ModelEvaluation::Slips);
-    return dynamics_.slipSpeed(guard);
-  };
-  double early = integrator.beginTime(), late = integrator.endTime();
-  if (speedAt(early) <= left)
-    late = early;
-  constexpr int bisections = 40;
-  for (int k = 0; k < bisections && late > early; ++k)
-    (speedAt(0.5 * (early + late)) > left ? early : late) = 0.5 * (early + late);
-  integrator.interpolate(late, interpolated_.data());
-  dynamics_.turnToSlips(late, interpolated_.data());
-  stopping_ = {late, margin * part};
-}
-
-// Slips of two components that have stopped at (time_, state_) stop nearby within an instant of the order of the difference, whose impulses
-// are those of friction on them and of what else the mode holds: contacts that open with the stop do so behind it.
-tf_status Simulation::Implementation::differentiateStop() {
-  Mode &stopping = restingMode_;
-  stopping = mode_;
-  const std::vector<int> pair = pairsOfTangents(model_);
-  at_.setPoint(time_, state_.data());
-  at_.switchingOfAll(ModelEvaluation::Slips);
-  const auto isStill = [this](int row) { return std::abs(at_.slip[row]) <= selection_.stillSlip(row, state_.data()); };
-  for (int row = 0; row < model_.nt; ++row)
-    if (stopping.tangent[row] == Tangent::SlipPositive && pair[row] >= 0 && isStill(row) && isStill(pair[row]))
-      stopping.tangent[row] = Tangent::Stick;
-  const double *scale = integrators_.current().settings().scale.data();
-  const bool hasForces = dynamics_.start(stopping, time_, state_.data());
-  const auto stop = [&](double time, double *state) {
-    return hasForces ? dynamics_.stop(time, state, scale) : projectOnto(stopping, time, state);
-  };
-  if (!sensitivities_->propagate(stop, time_, state_.data()))
-    return failSensitivities("the end of a slip");
-  hasStopMoved_ = sensitivities_->hasMoved();
-  return TF_OK;
-}
-
 // By the condition's value in the middle of the step that ends with the switch's change.
 bool Simulation::Implementation::switchesFaintly(int j) {
   SmoothIntegrator &integrator = integrators_.current();
@@ -436,6 +386,9 @@ bool Simulation::Implementation::switchesFaintly(int j) {
 tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped, double limit) {
   EventHint hint;
   lastElement_ = elementOf(guard, stopped);
+  if (stopped >= 0 && sensitivities_)
+    if (const tf_status status = differentiateStop(); status != TF_OK)
+      return status;
   const bool isStep = guard.kind == GuardKind::StepLow || guard.kind == GuardKind::StepHigh;
   if (isStep)
     hint = {guard.index, guard.kind == GuardKind::StepHigh ? Switch::One : Switch::Zero};

@@ -80,7 +80,7 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   return TF_OK;
 }
 
-// The mode before the impact, with the step variables of now: of a run that starts there is none yet.
+// The mode before, with the step variables of now: of a run that starts there is none yet.
 void Simulation::Implementation::copyMode(Mode &mode) const {
   mode = mode_;
   mode.switches.resize(model_.ns, Switch::Zero);

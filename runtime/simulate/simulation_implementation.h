@@ -156,8 +156,6 @@ private:
   int switchAhead();
   tf_status passSwitch(int guard, double limit);
   tf_status differentiateEvent(int guard);
-  void findStopping(int guard);
-  tf_status differentiateStop();
   std::vector<Transition> &beginTransitions();
   void beginEvent();
   void report(const std::vector<Transition> &transitions);
@@ -186,6 +184,9 @@ private:
   tf_status stopSlow(const std::vector<int> &contacts, double slow);
 
   // simulation_slips.cpp
+  double slipSpeedInside(int guard, double time);
+  void findStopping(int guard);
+  tf_status differentiateStop();
   double stopTolerance();
   bool locateStop(DetectedEvent &event);
   double turnsBefore(const DetectedEvent &event);

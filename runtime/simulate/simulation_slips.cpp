@@ -6,9 +6,24 @@
 
 namespace tf::runtime {
 
+namespace {
+
+// Slips of two components that are not faster than this, times what is taken for zero, are about to stop.
+constexpr double stopping = 1e3;
+
+}  // namespace
+
 // Slips and gap rates below this part of their scale may be taken for zero: far within the tolerance of velocities.
 double Simulation::Implementation::stopTolerance() {
   return std::max(0.05 * integrators_.current().settings().tolerance, 10 * selection_.tolerances().velocity);
+}
+
+// Inside the integrator's step; the state there is in interpolated_.
+double Simulation::Implementation::slipSpeedInside(int guard, double time) {
+  integrators_.current().interpolate(time, interpolated_.data());
+  at_.setPoint(time, interpolated_.data());
+  at_.switching(ModelEvaluation::Slips);
+  return dynamics_.slipSpeed(guard);
 }
 
 // The slip of two components whose part along the reference direction falls to zero at the event: is it zero altogether there, far within
@@ -17,17 +32,13 @@ double Simulation::Implementation::stopTolerance() {
 bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();
   const double part = stopTolerance(), allowed = part * dynamics_.slipScale(event.guard);
-  std::vector<double> &state = interpolated_;
-  const double most = 10 * allowed, slow = 1e3 * allowed, turned = turnsBefore(event);
-  integrator.interpolate(event.time, state.data());
-  at_.setPoint(event.time, state.data());
-  at_.switching(ModelEvaluation::Slips);
-  const double speed = dynamics_.slipSpeed(event.guard);
+  const double most = 10 * allowed, slow = stopping * allowed, turned = turnsBefore(event);
+  const double speed = slipSpeedInside(event.guard, event.time);
   if (speed > slow || turned > most)
     return false;
   const DetectedEvent detected = event;
   // Slips of one body end together: none of them has a direction there.
-  dynamics_.holdDirections(1e3 * part);
+  dynamics_.holdDirections(stopping * part);
   if (detection_.locate(event) == EventDetection::Location::Found) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
@@ -44,7 +55,8 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   if (dynamics_.slipSpeed(event.guard) > slow)
     return false;
   // Other slips that have just begun may keep implicit equations from being solved: the interpolant is as good as the step.
-  std::copy(state.begin(), state.end(), integrator.end());
+  integrator.interpolate(event.time, interpolated_.data());
+  std::copy_n(interpolated_.begin(), n_, integrator.end());
   integrator.moveEnd(event.time);
   return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
 }
@@ -57,9 +69,7 @@ double Simulation::Implementation::turnsBefore(const DetectedEvent &event) {
   const double begin = integrator.beginTime(), time = event.time - before * (event.time - begin);
   if (!(time > begin && time < event.time))
     return 0;
-  integrator.interpolate(time, interpolated_.data());
-  at_.setPoint(time, interpolated_.data());
-  const double along = dynamics_.guardValue(event.guard), speed = dynamics_.slipSpeed(event.guard);
+  const double speed = slipSpeedInside(event.guard, time), along = dynamics_.guardValue(event.guard);
   at_.setPoint(begin, integrator.begin());
   at_.switching(ModelEvaluation::Slips);
   return speed > 0 ? dynamics_.slipSpeed(event.guard) * (speed - along) / speed : 0;
@@ -67,6 +77,46 @@ double Simulation::Implementation::turnsBefore(const DetectedEvent &event) {
 
 // The error of a velocity over a run may be this part of its scale.
 double Simulation::Implementation::lingeringSpeed() { return 10 * integrators_.current().settings().tolerance; }
+
+// Friction turns within a time of the order of the slip that is left: right before a stop derivatives of its direction are made of errors.
+// In that last part of the step it keeps the direction in which the slip has come there, and differentiateStop does the rest.
+void Simulation::Implementation::findStopping(int guard) {
+  constexpr double least = 1e-7, margin = 2;
+  constexpr int bisections = 40;
+  SmoothIntegrator &integrator = integrators_.current();
+  const double part = std::max(least, stopping * stopTolerance()), left = part * dynamics_.slipScale(guard);
+  double early = integrator.beginTime(), late = integrator.endTime();
+  if (slipSpeedInside(guard, early) <= left)
+    late = early;
+  for (int k = 0; k < bisections && late > early; ++k)
+    (slipSpeedInside(guard, 0.5 * (early + late)) > left ? early : late) = 0.5 * (early + late);
+  integrator.interpolate(late, interpolated_.data());
+  dynamics_.turnToSlips(late, interpolated_.data());
+  stopping_ = {late, margin * part};
+}
+
+// Slips of two components that have stopped at (time_, state_) stop nearby within an instant of the order of the difference, whose impulses
+// are those of friction on them and of what else the mode holds: contacts that open with the stop do so behind it.
+tf_status Simulation::Implementation::differentiateStop() {
+  Mode &stopping = restingMode_;
+  stopping = mode_;
+  const std::vector<int> pair = pairsOfTangents(model_);
+  at_.setPoint(time_, state_.data());
+  at_.switchingOfAll(ModelEvaluation::Slips);
+  const auto isStill = [this](int row) { return std::abs(at_.slip[row]) <= selection_.stillSlip(row, state_.data()); };
+  for (int row = 0; row < model_.nt; ++row)
+    if (stopping.tangent[row] == Tangent::SlipPositive && pair[row] >= 0 && isStill(row) && isStill(pair[row]))
+      stopping.tangent[row] = Tangent::Stick;
+  const double *scale = integrators_.current().settings().scale.data();
+  const bool hasForces = dynamics_.start(stopping, time_, state_.data());
+  const auto stop = [&](double time, double *state) {
+    return hasForces ? dynamics_.stop(time, state, scale) : projectOnto(stopping, time, state);
+  };
+  if (!sensitivities_->propagate(stop, time_, state_.data()))
+    return failSensitivities("the end of a slip");
+  hasStopMoved_ = sensitivities_->hasMoved();
+  return TF_OK;
+}
 
 // The guard of a slip of two components that for many steps has not been faster than the errors that the tolerance allows, −1: none. The
 // direction of one so slow is no more than an error, and steps of implicit methods have solutions in which it neither stops nor starts.

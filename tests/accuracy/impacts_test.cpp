@@ -452,6 +452,37 @@ end ImpactAtStart;
   }
 }
 
+// Just before it switches are what they are, though there is no mode yet.
+TEST(Impacts, AtTheStartHaveTheSwitchesOfTheStartBefore) {
+  CompiledModel model(sourceFile("switch_before_start.tf", R"(
+model SwitchBeforeStart
+  coordinate Real q[2](der(start = {0.5, -1}));
+  body b(mass = 1, position = q);
+  output Real side = if time < 5 then 7 else 3;
+  contact floor(gap = q[2], slip = der(q[1]), friction = 0.5);
+end SwitchBeforeStart;
+)"));
+  struct Seen {
+    tf_simulation *simulation;
+    std::size_t side, count;
+    double before = 0, after = 0;
+  } seen{model.simulation(), static_cast<std::size_t>(tf_find(model.simulation(), "side")),
+         static_cast<std::size_t>(model.model().variable_count)};
+  const auto observe = [](void *data, const tf_event *) {
+    auto &values = *static_cast<Seen *>(data);
+    std::vector<double> all(values.count);
+    ASSERT_EQ(tf_get_all_before(values.simulation, all.data()), TF_OK);
+    values.before = all[values.side];
+    ASSERT_EQ(tf_get_all(values.simulation, all.data()), TF_OK);
+    values.after = all[values.side];
+  };
+  ASSERT_EQ(tf_set_event_callback(model.simulation(), observe, &seen), TF_OK);
+  ASSERT_EQ(tf_initialise(model.simulation(), 0), TF_OK);
+  ASSERT_EQ(tf_set_event_callback(model.simulation(), nullptr, nullptr), TF_OK);
+  EXPECT_EQ(seen.before, 7);
+  EXPECT_EQ(seen.after, 7);
+}
+
 // Impacts with slips of two components are followed to 1e-10 of velocities: slower ones than 1e-9 do not bounce, at any tolerance, which
 // would go on for ever by what they are wrong by.
 TEST(Impacts, WithTurningSlipsDoNotBounceByTheirErrors) {
