@@ -9,7 +9,7 @@ namespace tf::runtime {
 namespace {
 
 // Slips of two components that are not faster than this, times what is taken for zero, are about to stop.
-constexpr double stopping = 1e3;
+constexpr double aboutToStop = 1e3;
 
 }  // namespace
 
@@ -32,13 +32,13 @@ double Simulation::Implementation::slipSpeedInside(int guard, double time) {
 bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   SmoothIntegrator &integrator = integrators_.current();
   const double part = stopTolerance(), allowed = part * dynamics_.slipScale(event.guard);
-  const double most = 10 * allowed, slow = stopping * allowed, turned = turnsBefore(event);
+  const double most = 10 * allowed, slow = aboutToStop * allowed, turned = turnsBefore(event);
   const double speed = slipSpeedInside(event.guard, event.time);
   if (speed > slow || turned > most)
     return false;
   const DetectedEvent detected = event;
   // Slips of one body end together: none of them has a direction there.
-  dynamics_.holdDirections(stopping * part);
+  dynamics_.holdDirections(aboutToStop * part);
   if (detection_.locate(event) == EventDetection::Location::Found) {
     at_.setPoint(integrator.endTime(), integrator.end());
     at_.switching(ModelEvaluation::Slips);
@@ -84,7 +84,7 @@ void Simulation::Implementation::findStopping(int guard) {
   constexpr double least = 1e-7, margin = 2;
   constexpr int bisections = 40;
   SmoothIntegrator &integrator = integrators_.current();
-  const double part = std::max(least, stopping * stopTolerance()), left = part * dynamics_.slipScale(guard);
+  const double part = std::max(least, aboutToStop * stopTolerance()), left = part * dynamics_.slipScale(guard);
   double early = integrator.beginTime(), late = integrator.endTime();
   if (slipSpeedInside(guard, early) <= left)
     late = early;
