@@ -65,6 +65,7 @@ void AdmissibleImpulse::choose(const FrozenProblem &problem, const std::vector<d
   };
   const int count = static_cast<int>(rows_.size());
   const int normals = static_cast<int>(std::lower_bound(rows_.begin(), rows_.end(), problem.normalCount) - rows_.begin());
+  forces_.forget();
   forces_.resize(count, normals + static_cast<int>(frictions_.size()));
   Eigen::VectorXd own(count);
   for (int k = 0; k < count; ++k) {

@@ -19,10 +19,8 @@ constexpr double farthest = 1e3;
 constexpr double firstWeight = 1, lastWeight = 1e-14, reduction = 0.05;
 // Of the largest slack, relative to itself: its zero counts.
 constexpr double slackAccuracy = 1e-6;
-// Of a least-norm point that is followed, relative to the force scale: slacks below are those of active limits, steps below the last ones,
-// and slacks and multipliers may be negative by that much.
-constexpr double active = 1e-6, lastStep = 1e-9, multiplierRounding = 1e-13;
-constexpr int stepLimit = 8;
+// Weights from which it is tried to end with the active limits: the first one, and what parts each from the next one.
+constexpr double firstTrial = 1e-4, betweenTrials = 1e-3;
 
 }  // namespace
 
@@ -219,112 +217,68 @@ void ConicForces::center(Aim aim, double weight) {
   }
 }
 
-double ConicForces::largestSlack() {
-  findKernel();
+// From the last one, if there is one, on the equations as they are now.
+bool ConicForces::follow(Aim aim, Optimum &optimum) {
+  if (!optimum.isKnown || optimum.point.size() != free_.size())
+    return false;
+  unknown_ = kernel_.transpose() * (optimum.point - free_);
+  optimum.point = free_ + kernel_ * unknown_;
+  optimum.isKnown = solveActive(aim, optimum);
+  return optimum.isKnown;
+}
+
+// From unknown_, in the inside of the domain, along the barrier's central path; from some of its points the active limits may lead to the
+// optimum. Where they do not, as where a slack has no derivative there, the path's end remains.
+void ConicForces::approach(Aim aim, Optimum &optimum) {
+  const bool common = aim == Aim::CommonSlack;
   const Eigen::Index kernel = kernel_.cols();
-  base_ = free_;
-  unknown_.setZero(kernel + 1);
-  unknown_[kernel] = smallestSlack(free_) - scale_;
-  double largest = -std::numeric_limits<double>::infinity();
+  const double unit = common ? scale_ : scale_ * scale_;
   // Within weight·parameter of the optimum.
   const auto parameter = static_cast<double>(2 * limits_.size() + 1);
-  for (double weight = firstWeight; weight >= lastWeight && !(parameter * weight * scale_ <= slackAccuracy * largest);
-       weight *= reduction) {
-    center(Aim::CommonSlack, weight * scale_);
-    innermost_ = base_ + kernel_ * unknown_.head(kernel);
-    largest = smallestSlack(innermost_);
+  double tried = firstTrial;
+  for (double weight = firstWeight; weight >= lastWeight; weight *= reduction) {
+    center(aim, weight * unit);
+    optimum.point = base_ + kernel_ * unknown_.head(kernel);
+    optimum.common = common ? smallestSlack(optimum.point) : 0;
+    if (weight <= tried) {
+      tried = weight * betweenTrials;
+      trial_ = optimum;
+      findActive(weight, trial_);
+      if (solveActive(aim, trial_)) {
+        optimum = trial_;
+        optimum.isKnown = true;
+        return;
+      }
+    }
+    if (common && parameter * weight * scale_ <= slackAccuracy * optimum.common)
+      return;
   }
-  return largest;
+}
+
+double ConicForces::largestSlack() {
+  findKernel();
+  if (!follow(Aim::CommonSlack, innermost_)) {
+    const Eigen::Index kernel = kernel_.cols();
+    base_ = free_;
+    unknown_.setZero(kernel + 1);
+    unknown_[kernel] = smallestSlack(free_) - scale_;
+    approach(Aim::CommonSlack, innermost_);
+  }
+  return smallestSlack(innermost_.point);
 }
 
 const Eigen::VectorXd &ConicForces::leastNorm() {
   findKernel();
-  const Eigen::Index kernel = kernel_.cols();
   base_ = free_;
-  unknown_ = kernel_.transpose() * (innermost_ - free_);
-  unknown_.conservativeResize(kernel);
-  for (double weight = firstWeight; weight >= lastWeight; weight *= reduction)
-    center(Aim::LeastNorm, weight * scale_ * scale_);
-  least_ = base_ + kernel_ * unknown_;
-  // To rounding, as the points that follow; in a thin set, whose limits have dependent slopes, Newton's steps may lead anywhere.
-  point_ = least_;
-  findActive();
-  if (followLeastNorm() == nullptr) {
-    least_ = point_;
-    isKnown_ = false;
-  }
-  return least_;
-}
-
-// The limits that are active at `least_`, and their multipliers.
-void ConicForces::findActive() {
-  active_.clear();
-  for (std::size_t k = 0; k < limits_.size(); ++k)
-    if (slack(static_cast<int>(k), least_) <= active * scale_)
-      active_.push_back(static_cast<int>(k));
-  multiplier_.setZero(static_cast<Eigen::Index>(active_.size()));
-  isKnown_ = true;
-  double ignored = 0;
-  if (!newtonStep(ignored))
-    isKnown_ = false;
-}
-
-// One step of Newton's method for x = free + K c:  Kᵀ(x − Σ μ ∇s) = 0,  s = 0 on the active limits; ∇²s = −(I − t tᵀ/‖t‖²)/‖t‖.
-bool ConicForces::newtonStep(double &change) {
-  const Eigen::Index kernel = kernel_.cols(), count = multiplier_.size(), size = kernel + count;
-  slope_.setZero(kernel, count);
-  optimality_.setZero(size, size);
-  gradient_.setZero(size);
-  optimality_.topLeftCorner(kernel, kernel).setIdentity();
-  for (Eigen::Index a = 0; a < count; ++a) {
-    const int k = active_[static_cast<std::size_t>(a)];
-    const Limit &limit = limits_[k];
-    if (limit.apex >= 0)
-      slope_.col(a) = limit.factor * kernel_.row(limit.apex).transpose();
-    gradient_[kernel + a] = -slack(k, least_);
-    if (limit.first < 0)
-      continue;
-    const double first = least_[limit.first], second = limit.second >= 0 ? least_[limit.second] : 0, length = std::hypot(first, second);
-    if (!(length > 0))
-      return false;
-    slope_.col(a) -= first / length * kernel_.row(limit.first).transpose();
-    if (limit.second < 0)
-      continue;
-    slope_.col(a) -= second / length * kernel_.row(limit.second).transpose();
-    across_ = (first * kernel_.row(limit.second) - second * kernel_.row(limit.first)).transpose() / length;
-    optimality_.topLeftCorner(kernel, kernel).noalias() += multiplier_[a] / length * across_ * across_.transpose();
-  }
-  gradient_.head(kernel).noalias() = slope_ * multiplier_ - kernel_.transpose() * least_;
-  optimality_.topRightCorner(kernel, count) = -slope_;
-  optimality_.bottomLeftCorner(count, kernel) = slope_.transpose();
-  optimalityFactor_.compute(optimality_);
-  step_ = optimalityFactor_.solve(gradient_);
-  if (!step_.allFinite())
-    return false;
-  least_.noalias() += kernel_ * step_.head(kernel);
-  multiplier_ += step_.tail(count);
-  change = step_.head(kernel).lpNorm<Eigen::Infinity>() / scale_;
-  return true;
+  unknown_ = kernel_.transpose() * (innermost_.point - free_);
+  least_.isKnown = false;
+  approach(Aim::LeastNorm, least_);
+  return least_.point;
 }
 
 const Eigen::VectorXd *ConicForces::followLeastNorm() {
-  if (!isKnown_ || least_.size() != free_.size())
-    return nullptr;
-  isKnown_ = false;
   findKernel();
-  // The last point on the new equations.
-  unknown_ = kernel_.transpose() * (least_ - free_);
-  least_ = free_ + kernel_ * unknown_;
-  const Eigen::Index count = multiplier_.size();
-  double change = 1;
-  for (int k = 0; k < stepLimit && change > lastStep; ++k)
-    if (!newtonStep(change))
-      return nullptr;
-  if (change > lastStep || (count > 0 && multiplier_.minCoeff() < -multiplierRounding * multiplier_.maxCoeff()) ||
-      smallestSlack(least_) < -multiplierRounding * scale_)
-    return nullptr;
-  isKnown_ = true;
-  return &least_;
+  return follow(Aim::LeastNorm, least_) ? &least_.point : nullptr;
 }
 
 }  // namespace tf::runtime

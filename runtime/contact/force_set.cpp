@@ -17,6 +17,8 @@ constexpr double singularMode = 1e-8;
 constexpr double redundantResidual = 1e-6;
 // An active constraint depends on others where what they leave of its normal is shorter than this, relative to its length.
 constexpr double activeDependence = 1e-13;
+// Where a conic set has no more width than that, relative to the force scale, its innermost point is as good as the least-norm one.
+constexpr double leastWidth = 1e-9;
 
 }  // namespace
 
@@ -385,17 +387,18 @@ bool ForceSet::prepareConic() {
   return areConsistent;
 }
 
-// Where the set has hardly any width its innermost point is as good as the least-norm one.
 void ForceSet::confineConic() {
-  constexpr double width = 1e-9;
   findInnermost();
-  expandPoint(commonSlack_ > width * forceScale_ ? cone_.leastNorm().data() : cone_.innermost().data());
+  expandPoint(commonSlack_ > leastWidth * forceScale_ ? cone_.leastNorm().data() : cone_.innermost().data());
 }
 
-// As confineConic, from the last point; but where the set is about to vanish, and its innermost point is wanted.
+// As confineConic, from the last point.
 void ForceSet::followConic() {
   constexpr double thin = 1e-3;
-  const Eigen::VectorXd *least = commonSlack_ > thin * forceScale_ ? cone_.followLeastNorm() : nullptr;
+  // By the slack of the last point, unless the set is about to vanish.
+  if (commonSlack_ <= thin * forceScale_)
+    findInnermost();
+  const Eigen::VectorXd *least = commonSlack_ > leastWidth * forceScale_ ? cone_.followLeastNorm() : nullptr;
   if (least != nullptr)
     expandPoint(least->data());
   else

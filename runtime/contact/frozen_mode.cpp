@@ -267,6 +267,7 @@ int FrozenMode::poseLimits(const FrozenProblem &problem) {
     const double offset = apex < 0 ? problem.friction[j] * fixed_[owner] : 0.0;
     limits.push_back({apex, apex < 0 ? 0.0 : problem.friction[j], offset, own, partner < 0 ? -1 : own + 1});
   }
+  admissible_.forget();
   admissible_.resize(equations_.activeCount(), static_cast<int>(limits.size()));
   for (std::size_t k = 0; k < limits.size(); ++k)
     admissible_.limit(static_cast<int>(k)) = limits[k];

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 
 namespace tf::runtime {
@@ -91,6 +92,56 @@ TEST(ConicForces, PartsDoNotMatterToOneAnother) {
   both.solve(along, found);
   for (int k = 0; k < 4; ++k)
     EXPECT_EQ(found[copies * k + 1], 0);
+}
+
+// Four contacts with friction in two directions, a normal force and its tangential ones after the other, of which six equations hold, the
+// others being sums of these: as a body on four feet that is drawn at ever harder.
+void poseBody(ConicForces &forces, const Eigen::Matrix<double, 6, 12> &equations, const Eigen::VectorXd &rhs) {
+  forces.resize(12, 8);
+  forces.matrix().topRows(6) = equations;
+  forces.matrix().bottomRows(6) = equations + equations.colwise().reverse();
+  forces.rhs().head(6) = rhs;
+  forces.rhs().tail(6) = rhs + rhs.reverse();
+  for (int k = 0; k < 4; ++k) {
+    forces.limit(2 * k) = {3 * k, 1, 0, -1, -1};
+    forces.limit(2 * k + 1) = {3 * k, 0.5, 0, 3 * k + 1, 3 * k + 2};
+  }
+}
+
+TEST(ConicForces, PointsAreFollowedUntilTheSetIsEmpty) {
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  int emptied = 0;
+  for (int trial = 0; trial < 20; ++trial) {
+    Eigen::Matrix<double, 6, 12> equations;
+    for (double &entry : equations.reshaped())
+      entry = normal(random);
+    Eigen::VectorXd begin(12), pull(6);
+    for (int k = 0; k < 4; ++k)
+      begin.segment(3 * k, 3) << 1, 0.2 * std::cos(k), 0.2 * std::sin(k);
+    for (double &entry : pull)
+      entry = normal(random);
+    ConicForces followed;
+    double slack = 1;
+    for (int step = 0; step <= 200 && slack > 1e-6; ++step) {
+      const Eigen::VectorXd rhs = equations * begin + 0.05 * step * pull;
+      poseBody(followed, equations, rhs);
+      ASSERT_TRUE(followed.prepare(1e-9));
+      slack = followed.largestSlack();
+      ConicForces afresh;
+      poseBody(afresh, equations, rhs);
+      ASSERT_TRUE(afresh.prepare(1e-9));
+      EXPECT_NEAR(slack, afresh.largestSlack(), 2e-6 * afresh.scale()) << trial << ' ' << step;
+      if (slack <= 1e-6)
+        break;
+      const Eigen::VectorXd *found = followed.followLeastNorm();
+      const Eigen::VectorXd &least = found != nullptr ? *found : followed.leastNorm();
+      EXPECT_LT((least - afresh.leastNorm()).lpNorm<Eigen::Infinity>(), 1e-7 * afresh.scale()) << trial << ' ' << step;
+      EXPECT_GE(followed.smallestSlack(least), -1e-12 * afresh.scale()) << trial << ' ' << step;
+    }
+    emptied += slack <= 1e-6 ? 1 : 0;
+  }
+  EXPECT_GT(emptied, 10);
 }
 
 }  // namespace
