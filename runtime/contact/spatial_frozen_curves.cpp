@@ -210,11 +210,15 @@ double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
 
 // The step's end becomes the state. Contacts at zero without an own force store nothing, and what moves them within rounding is no motion.
 void SpatialFrozenPhase::Workspace::commit(double h, const Watch *event) {
+  // Of a force that has been at its limit from the begin on: nothing changes, and the mean of no time is none.
+  const bool isInstant = h * largestChange <= instant * scale;
   for (int i = 0; i < n; ++i) {
     if (restsAt(i) && (mode.normal[i] != FrozenMode::Normal::Push || std::abs(point[i]) <= roundingSpeed))
       continue;
     const bool exhausted =
         event != nullptr && (event->kind == Watch::Kind::StoredImpulse || event->kind == Watch::Kind::StoredWork) && event->index == i;
+    if (isInstant && !exhausted)
+      continue;
     // The straight piece with the same begin and the same integral of the velocity stores the same.
     const double mean = 2 * (state[n + m + i] - velocity[i] * h) / (h * h);
     restitution.advance(i, velocity[i], mean, h, exhausted);

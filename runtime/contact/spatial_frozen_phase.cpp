@@ -398,7 +398,9 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
         continue;
       }
       const double band = stepBand * stillSpeed * std::ldexp(1.0, ++escapes);
-      if (escapes > mostDoublings || !stepOver(forced, band / largestChange, band))
+      if (escapes > mostEscapes && leapOn(forced, band / largestChange))
+        escapes = 0;
+      else if (escapes > mostDoublings || !stepOver(forced, band / largestChange, band))
         return fail(FrozenStatus::Unsettled);
       found = true;
       nextLength = infinity;

@@ -211,13 +211,47 @@ bool SpatialFrozenPhase::Workspace::passCrowd(int forced, bool &found) {
   return stepOver(forced, band / largestChange, band);
 }
 
+// Many leaps, each as long as possible, where there is no piece to follow: where all forces that could hold a body are at their limits
+// together, these neither hold nor let go. False: not even one of this length.
+bool SpatialFrozenPhase::Workspace::leapOn(int forced, double shortest) {
+  constexpr int mostLeaps = 64;
+  constexpr double growth = 1.25;
+  const double begin = tau, farthest = longLeap * scale / largestChange;
+  bool hasFailed = false;
+  double length = shortest;
+  for (int k = 0; k < mostLeaps && length >= shortest && anyPushes(); ++k) {
+    if (leap(forced, length)) {
+      length = std::min(farthest, (hasFailed ? growth : 2) * length);
+    } else {
+      length *= 0.5;
+      hasFailed = true;
+    }
+  }
+  return tau > begin;
+}
+
+// Where slips of the leap are decided by its steps and not by their directions, which must be the same ones in all of these.
+double SpatialFrozenPhase::Workspace::bandOfLeap(double length) const {
+  const double change = length * largestChange;
+  double band = stepBand * change;
+  const auto isNear = [&](double speed) { return std::abs(speed - band) <= change; };
+  for (int r = 0; r < n + m; ++r) {
+    const double speed = r < n ? std::abs(velocity[r]) : isSecond(r - n) ? 0 : slipSpeed(r - n, velocity);
+    if (isNear(speed)) {
+      band = speed + 1.01 * change;
+      r = -1;  // others may be near now
+    }
+  }
+  return band;
+}
+
 // Over the length by extrapolation of the implicit Euler method, for slips so slow that friction is stiff and their way is smooth all the
 // same, as where a force has just left its limit. False, and nothing has changed, where that does not converge.
 bool SpatialFrozenPhase::Workspace::leap(int forced, double length) {
   const int count = n + m;
   const std::vector<double> from = velocity;
   const Eigen::Map<const Eigen::VectorXd> start(from.data(), count);
-  const double band = stepBand * length * largestChange;
+  const double band = bandOfLeap(length);
   std::array<Eigen::VectorXd, leapColumns> table;
   Eigen::VectorXd carried, previous;
   std::vector<std::uint8_t> rests;

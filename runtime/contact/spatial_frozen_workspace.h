@@ -22,12 +22,14 @@ struct SpatialFrozenPhase::Workspace {
   // Forces smaller than their limit by this part of it are within it, however inexact the solution is.
   static constexpr double withinLimit = 1e-6;
   // Relative to the velocities: below `still` the direction of a slip is that of its reference, and a slip that comes to rest is zero; a
-  // piece that leaves its straight continuation by less than `straight` is straight.
-  static constexpr double still = 2e-11, straight = 1e-13, accuracy = 1e-13;
+  // piece that leaves its straight continuation by less than `straight` is straight, and one that changes less than `instant` has no
+  // length.
+  static constexpr double still = 2e-11, straight = 1e-13, accuracy = 1e-13, instant = 1e-20;
   static constexpr int keptBreakpoints = 1000, breakpointLimit = 2000;
   // Of the steps over what is within `still` of zero: how many times as far as that they go, and by how often the next one may be longer.
   static constexpr double stepBand = 32;
-  static constexpr int mostDoublings = 16, window = 8;
+  // Before leaps are tried: so many of them.
+  static constexpr int mostDoublings = 16, mostEscapes = 3, window = 8;
   static constexpr double crowd = 1e-3, longLeap = 0.1;
   static constexpr int leapColumns = 7;
   static constexpr double leapAccuracy = 1e-12;
@@ -97,6 +99,8 @@ struct SpatialFrozenPhase::Workspace {
   void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;
   bool passCrowd(int forced, bool &found);
   bool leap(int forced, double length);
+  bool leapOn(int forced, double shortest);
+  [[nodiscard]] double bandOfLeap(double length) const;
   void updateAcceleration();
   bool choose(int forced);
   void chooseTangent(int j);
