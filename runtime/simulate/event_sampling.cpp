@@ -20,6 +20,9 @@ constexpr int deepest = 30;
 // Divisions for one guard in one step. A guard that takes more oscillates too often for the step, or stays at zero but for the errors of
 // the interpolant: then it has led to no more than this part of the step, or changes by less than the tolerance where it is divided.
 constexpr int mostDivisions = 100000;
+// Of a force, which moves what the step follows: it does not oscillate often in one, and each of its values is a contact problem's
+// solution.
+constexpr int mostForceDivisions = 2000;
 constexpr double noProgress = 1e-4;
 // Forces of contacts that nearly determine one another, as in a jam, are those of rounding: they scatter by as much in however short an
 // interval. Four divisions leave less than this part of what they scatter by otherwise.
@@ -108,8 +111,10 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit
   fit.scatter.back() = std::abs(inside.value - a.value - division * (b.value - a.value));
   const auto middle = fit.scatter.begin() + fit.scatter.size() / 2;
   const double scatter = *std::max_element(middle, fit.scatter.end());
-  const bool isNoise = isForceGuard(dynamics_.guards()[guard].kind) && scatter > noisy * *std::max_element(fit.scatter.begin(), middle);
-  const bool areEnough = depth < deepest && ++divisions_ > mostDivisions, isFinest = depth >= deepest || areEnough;
+  const bool isForce = isForceGuard(dynamics_.guards()[guard].kind),
+             isNoise = isForce && scatter > noisy * *std::max_element(fit.scatter.begin(), middle);
+  const bool areEnough = depth < deepest && ++divisions_ > (isForce ? mostForceDivisions : mostDivisions),
+             isFinest = depth >= deepest || areEnough;
   const double leave = threshold(guard);
   rises_ = rises_ || std::max(a.value, inside.value) > leave;
   for (const auto &[low, high] : {std::pair{&a, &inside}, std::pair{&inside, &b}}) {
