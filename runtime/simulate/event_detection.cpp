@@ -446,9 +446,12 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
     first = event;
 }
 
-// A guard that may come near zero between the samples: its own rates could take it there.
+// A guard that may come near zero between the samples: its own rates could take it there. A gap that starts at its zero, as right before
+// an impact, may fall from there and have returned.
 bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
-  if (!hasRate(dynamics_.guards()[guard].kind) || starts_[guard].armed == Arming::Not)
+  const GuardKind kind = dynamics_.guards()[guard].kind;
+  const bool isOpen = starts_[guard].armed != Arming::Not, closes = kind == GuardKind::Gap && starts_[guard].rate < 0;
+  if (!hasRate(kind) || !(isOpen || closes))
     return false;
   const double h = b.time - a.time;
   const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
