@@ -15,8 +15,8 @@ namespace {
 
 // Impacts are followed one by one until they are this much slower than the fastest one, however well their end is known.
 constexpr double slow = 3e-2;
-// Slower bounces than this part of the fastest one are low.
-constexpr double low = 1e-2;
+// Slower bounces than this part of the fastest one are low, and those that are about as high as this part of the gap's scale.
+constexpr double low = 1e-2, lowHeight = 1e-9;
 // The next one is expected within so many times the interval between the last ones; and intervals that may be short, as a part of the run.
 constexpr double intervals = 3, lowTime = 1e-3;
 constexpr int firstImpacts = 3;
@@ -100,6 +100,7 @@ Eigen::VectorXd RestPrediction::extrapolationWeights(const Eigen::VectorXd &x) c
 bool RestPrediction::recordImpact(double time, const std::vector<Approach> &approaches) {
   // A contact whose bounces are shorter than those of others, in an accumulation within theirs, says nothing about these.
   bool slowed = false;
+  const double *coordinates = at_.coordinates(), farthest = at_.scales.farthest(coordinates);
   for (const auto &[contact, speed] : approaches) {
     double &fastest = fastest_[contact];
     last_[contact] = speed;
@@ -109,8 +110,8 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
     slowed = slowed || (speed <= early * fastest && own > 0 && lastInterval_[contact] > own);
     lastInterval_[contact] = own > 0 ? own : lastInterval_[contact];
     // Nor do shorter bounces of its own about the longer ones that they follow.
-    lowUntil_[contact] =
-        speed <= low * fastest ? std::max(lowUntil_[contact], time + intervals * own) : -std::numeric_limits<double>::infinity();
+    const bool isLow = speed <= low * fastest || (own > 0 && speed * own <= lowHeight * at_.scales.gap(contact, coordinates, farthest));
+    lowUntil_[contact] = isLow ? std::max(lowUntil_[contact], time + intervals * own) : -std::numeric_limits<double>::infinity();
     lastTime_[contact] = time;
   }
   const double interval = time - lastImpact_;

@@ -348,6 +348,57 @@ TEST(Impacts, RestAfterASavedState) {
   EXPECT_EQ(model["der(y)"], 0.0);
 }
 
+// A wheel with fifteen teeth and a stop: the step that goes on from right before the impact is so long that the tooth would be past the
+// stop.
+TEST(Impacts, AreNotMissedAfterAStateThatIsSavedRightBefore) {
+  const std::string wheel = sourceFile("toothed_wheel.tf", R"(
+model ToothedWheel
+  parameter Real T = 0.02, e = 0.1;
+  coordinate Real phi;
+  body wheel(angle = phi, inertia = 1e-5);
+  force drive(value = T - 1e-4*der(phi), at = phi);
+  contact stop(gap = 0.5 - sin(15*phi), restitution = e);
+end ToothedWheel;
+)");
+  const double rest = std::asin(0.5) / 15;
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE}) {
+    CompiledModel first(wheel);
+    first.tolerance(1e-6).integrator(integrator).run(0.1);
+    const double impact = first.eventTime(TF_EVENT_IMPACT);
+    for (const double before : {1e-6, 1e-8, 1e-10, 1e-12, 1e-13, 1e-14}) {
+      CompiledModel model(wheel);
+      model.tolerance(1e-6).integrator(integrator).run(impact - before);
+      std::vector<unsigned char> buffer(tf_state_size(model.simulation()));
+      ASSERT_EQ(tf_save_state(model.simulation(), buffer.data(), buffer.size()), TF_OK);
+      model.advance(0.1);
+      EXPECT_NEAR(model["phi"], rest, 1e-5) << integrator << ' ' << before;
+    }
+  }
+}
+
+// Hops that begin so low that an integrator which does not start to rounding could not tell where they end.
+TEST(Impacts, OfABallThatArrivesVerySlowlyEnd) {
+  const std::string ball = sourceFile("slow_ball.tf", R"(
+model SlowBall
+  parameter Real e = 0.1, d = 0.5;
+  coordinate Real y;
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -9.81});
+  force drag(value = -d*der(y), at = y);
+  contact floor(gap = y, restitution = e);
+end SlowBall;
+)");
+  for (const tf_integrator integrator : kIntegrators)
+    for (const double tolerance : {1e-7, 1e-10})
+      for (const double speed : {1e-4, 3.8e-7, 1e-8}) {
+        CompiledModel model(ball, {{"der(y)", -speed}});
+        model.tolerance(tolerance).integrator(integrator).run(0.1);
+        EXPECT_NEAR(model["y"], 0, 0.1 * tolerance) << integrator << ' ' << speed;
+        EXPECT_LT(model.count(TF_EVENT_IMPACT), 20) << integrator << ' ' << speed;
+        EXPECT_EQ(model.count(TF_EVENT_REST), 1) << integrator << ' ' << speed;
+      }
+}
+
 // Bounces until the times between them are near what times are resolved to: the rest at sqrt(2/g) (1 + e)/(1 − e) is carried into all the
 // same, as well as it is known.
 TEST(AccumulatingImpacts, AreCarriedIntoRestWhereTimesAreResolvedNoBetter) {
@@ -624,6 +675,51 @@ TEST(Impacts, OfAChainTakeFewAttemptsOfSteps) {
   model.tolerance(1e-1).integrator(TF_AUTO).run(0.45);
   const tf_statistics &statistics = *tf_get_statistics(model.simulation());
   EXPECT_LT(statistics.rejected_steps, statistics.steps / 5);
+}
+
+// A corner of a cube, turned somehow, hits the top of another one that rests on four feet, whose shares of the impact are not unique.
+std::string cubeOntoCube() {
+  return sourceFile("cube_onto_cube.tf", R"(
+model CubeOntoCube
+  parameter Real a = 0.5, b = 0.3, m = 2, M = 4, mu = 0.4, mf = 0.5, e = 0.5, shift = 0;
+  coordinate Real p[3](start = {0, 0, a/2});
+  coordinate Rotation Q;
+  coordinate Rotation R(start = {0.9820881872783486, 0.06357317401828835, 0.011066235248301522, 0.1770276317160605},
+    w(start = {1.0001431719304463, 0.04779145392832871, 0.5536829853836617}));
+  coordinate Real q[3](start = {0.125 + shift, 0.062, 0.6681847016461915},
+    der(start = {0.083399896385126, 0.0250199689155378, -1.2669712521212646}));
+  body lower(mass = M, position = p, orientation = Q, inertia = M*a^2/6*identity(3));
+  body upper(mass = m, position = q, orientation = R, inertia = m*b^2/6*identity(3));
+  parameter Real s[4, 2] = {{1, 1}, {-1, 1}, {-1, -1}, {1, -1}};
+  Real foot[4, 3] = {p + Q*{s[i, 1]*a/2, s[i, 2]*a/2, -a/2} for i in 1:4};
+  contact floor[4](gap = foot[:, 3], slip = der(foot[:, 1:2]), each friction = mf, each restitution = 0.3);
+  Real corner[3] = inverse(Q)*(q + R*{-b/2, -b/2, -b/2} - p);
+  contact top(gap = corner[3] - a/2, slip = der(corner[1:2]), friction = mu, restitution = e);
+end CubeOntoCube;
+)");
+}
+
+double impulseOntoCube(double mu, double mf, double e, double shift) {
+  CompiledModel model(cubeOntoCube(), {{"mu", mu}, {"mf", mf}, {"e", e}, {"shift", shift}});
+  model.tolerance(1e-8).run(1e-6);
+  EXPECT_EQ(model.count(TF_EVENT_IMPACT), 1);
+  return model["top.impulse"];
+}
+
+// By Poisson's law that is e times the impulse of the compression, in whatever way the feet share the load.
+TEST(Impacts, OntoABodyOnManyFeetHaveTheirRestitution) {
+  const double compression = impulseOntoCube(0.4, 0.5, 0, 0);
+  for (int k = 0; k < 12; ++k)
+    EXPECT_NEAR(impulseOntoCube(0.4, 0.5, 0.5, 1e-13 * k), 1.5 * compression, 1e-7) << k;
+}
+
+// While the upper cube slips, friction is as large as all feet together can bear: they neither slip nor have anything left.
+TEST(Impacts, OntoFeetThatAreAtTheLimitOfTheirFriction) {
+  for (const double mu : {0.3, 0.5}) {
+    const double rough = impulseOntoCube(mu, 1.05 * mu, 0.5, 0);
+    EXPECT_NEAR(impulseOntoCube(mu, mu, 0.5, 0), rough, 1e-6) << mu;
+    EXPECT_NEAR(impulseOntoCube(mu, mu, 0, 0), rough / 1.5, 1e-6) << mu;
+  }
 }
 
 // A mass slides obliquely under a ceiling that comes down, and is caught: friction holds it while the ceiling has work left to give back,
