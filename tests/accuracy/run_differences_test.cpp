@@ -341,11 +341,12 @@ INSTANTIATE_TEST_SUITE_P(Shared, RunDifferences,
                                          DifferenceCase{kBounds, 0.246, "mu[3]", 0.1, 1e-8}, DifferenceCase{kBounds, 0.246, "m", 1, 1e-8},
                                          DifferenceCase{kBounds, 0.246, "x4", 0.6, 1e-8}, DifferenceCase{kBounds, 0.246, "v2", 0.8, 1e-8}));
 
-// Of a tip on a sphere three rows are redundant, and contradict one another where the table has another speed than the tip.
+// Of a tip on a sphere three rows are redundant, and contradict one another where the table has another speed than the tip. What rounding
+// changes at the stop of the slip grows to some 1e-6 of the derivative by d until the end.
 INSTANTIATE_TEST_SUITE_P(Redundant, RunDifferences,
                          testing::Values(DifferenceCase{kTether, 1.6, "W", 4}, DifferenceCase{kTether, 1.9, "W", 4},
                                          DifferenceCase{kTether, 1.9, "gx", 3, 1e-6}, DifferenceCase{kTether, 1.9, "mu", 0.4, 1e-6},
-                                         DifferenceCase{kTether, 1.9, "d", 0.5, 1e-6}));
+                                         DifferenceCase{kTether, 1.9, "d", 0.5, 5e-6}));
 
 // Through the point where infinitely many impacts accumulate.
 INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
