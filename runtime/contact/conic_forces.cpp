@@ -236,6 +236,7 @@ void ConicForces::approach(Aim aim, Optimum &optimum) {
   // Within weight·parameter of the optimum.
   const auto parameter = static_cast<double>(2 * limits_.size() + 1);
   double tried = firstTrial;
+  optimum.isKnown = false;
   for (double weight = firstWeight; weight >= lastWeight; weight *= reduction) {
     center(aim, weight * unit);
     optimum.point = base_ + kernel_ * unknown_.head(kernel);
@@ -271,7 +272,6 @@ const Eigen::VectorXd &ConicForces::leastNorm() {
   findKernel();
   base_ = free_;
   unknown_ = kernel_.transpose() * (innermost_.point - free_);
-  least_.isKnown = false;
   approach(Aim::LeastNorm, least_);
   return least_.point;
 }
