@@ -219,7 +219,7 @@ void ConicForces::center(Aim aim, double weight) {
 
 // From the last one, if there is one, on the equations as they are now.
 bool ConicForces::follow(Aim aim, Optimum &optimum) {
-  if (!optimum.isKnown || optimum.point.size() != free_.size())
+  if (!optimum.isKnown || optimum.point.size() != free_.size() || kernel_.cols() == 0)
     return false;
   unknown_ = kernel_.transpose() * (optimum.point - free_);
   optimum.point = free_ + kernel_ * unknown_;
@@ -233,10 +233,15 @@ void ConicForces::approach(Aim aim, Optimum &optimum) {
   const bool common = aim == Aim::CommonSlack;
   const Eigen::Index kernel = kernel_.cols();
   const double unit = common ? scale_ : scale_ * scale_;
+  optimum.isKnown = false;
+  // Equations of full rank have one solution.
+  if (kernel == 0) {
+    optimum.point = base_;
+    return;
+  }
   // Within weight·parameter of the optimum.
   const auto parameter = static_cast<double>(2 * limits_.size() + 1);
   double tried = firstTrial;
-  optimum.isKnown = false;
   for (double weight = firstWeight; weight >= lastWeight; weight *= reduction) {
     center(aim, weight * unit);
     optimum.point = base_ + kernel_ * unknown_.head(kernel);

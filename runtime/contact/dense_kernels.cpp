@@ -320,6 +320,8 @@ TF_WIDE void subtractProduct(const double *matrix, int rows, int columns, const 
 
 TF_WIDE void addManyColumns(const double *matrix, int rows, int columns, double factor, const double *x, double *y) {
   constexpr int groups = 4;
+  if (columns == 0)
+    return;  // there is no matrix
   int r = 0;
   for (; r + groups * panelLanes <= rows; r += groups * panelLanes)
     addColumnsOf<groups>(matrix + r, rows, columns, factor, x, y + r);

@@ -31,6 +31,23 @@ TEST(ConicForces, LeastNormOfATriangle) {
   EXPECT_LT((least - Eigen::Vector4d(0.1, 0.2, 0.3, 1)).lpNorm<Eigen::Infinity>(), 1e-6);
 }
 
+TEST(ConicForces, EquationsOfFullRankHaveOneSolution) {
+  ConicForces forces;
+  forces.resize(2, 2);
+  forces.matrix() << 2, 1, 0, 1;
+  forces.rhs() << 5, 1;
+  for (int k = 0; k < 2; ++k) {
+    forces.limit(k) = {};
+    forces.limit(k).apex = k;
+    forces.limit(k).factor = 1;
+  }
+  ASSERT_TRUE(forces.prepare(1e-9));
+  EXPECT_NEAR(forces.largestSlack(), 1, 1e-14);
+  const Eigen::Vector2d solution(2, 1);
+  EXPECT_LT((forces.innermost() - solution).norm(), 1e-14);
+  EXPECT_LT((forces.leastNorm() - solution).norm(), 1e-14);
+}
+
 // Of a triangle as thin as what counts as zero all three sides are active, more than its points have coordinates.
 TEST(ConicForces, LeastNormOfAThinTriangleIsInIt) {
   constexpr double width = 1e-7;
