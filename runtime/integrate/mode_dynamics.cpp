@@ -201,7 +201,8 @@ bool ModeDynamics::isHeldAtRest(double time, const double *state, const double *
 }
 
 bool ModeDynamics::restsByItsRows(const double *state) {
-  constexpr double rounding = 1e-14;
+  // Along an interpolant, whose rounding errors grow with the step.
+  constexpr double rounding = 1e-12;
   const tf_model &model = at_.model();
   for (int i = model.nq; i < model.nq + model.nv; ++i)
     if (std::abs(state[i]) > rounding * at_.scales.nominal()[i])

@@ -321,7 +321,7 @@ double Sensitivities::nextPiece(double length, double error, double jump) {
 
 bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end, double held) {
   held_ = held;
-  const bool isKnown = addPieces(integrator, begin, end);
+  const bool isKnown = addPieces(integrator, begin, end) && holdRows(integrator, end);
   if (!isKnown)
     matrix_.setConstant(std::numeric_limits<double>::quiet_NaN());
   dynamics_.holdDirections(0);
@@ -527,6 +527,29 @@ bool Sensitivities::mapColumns(const Map &map, double time, const double *state)
     if (!differentiate(displacement(map), time, state, k, n_, mapped.col(k).data()))
       return false;
   matrix_ += mapped;
+  return matrix_.allFinite();
+}
+
+// Rows that depend on each other have forces only where the state is what they hold. What derivatives are off by there, as after an event,
+// would grow.
+bool Sensitivities::holdRows(SmoothIntegrator &integrator, double time) {
+  constexpr double rounding = 1e-11;
+  if (columns_.empty() || !dynamics_.hasRedundantRows())
+    return true;
+  if (!evaluate(integrator, time))
+    return false;
+  const double *scale = integrator.settings().scale.data();
+  const Map project = [this, scale](double at, double *state) {
+    dynamics_.project(at, state, scale);
+    return true;
+  };
+  Eigen::VectorXd change(n_);
+  for (int k = 0; k < columnCount(); ++k) {
+    if (!differentiate(displacement(project), time, state_.data(), k, n_, change.data()))
+      return false;
+    if (change.lpNorm<Eigen::Infinity>() > rounding * alongScale(k))
+      matrix_.col(k) += change;
+  }
   return matrix_.allFinite();
 }
 

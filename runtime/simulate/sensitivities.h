@@ -104,6 +104,7 @@ private:
   [[nodiscard]] static double nextPiece(double length, double error, double jump);
   [[nodiscard]] Eigen::VectorXd rounding(double length);
   bool addPieces(SmoothIntegrator &integrator, double begin, double end);
+  bool holdRows(SmoothIntegrator &integrator, double time);
   auto displacement(const Map &map);
   bool mapColumns(const Map &map, double time, const double *state);
   bool mapBothSides(const Map &map, double time, const double *state);

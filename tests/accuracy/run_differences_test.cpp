@@ -304,9 +304,9 @@ INSTANTIATE_TEST_SUITE_P(
                     DifferenceCase{kHeld, 1, "mu", 0.3}, DifferenceCase{kHeld, 1, "e", 0.4}, DifferenceCase{kHeld, 1, "side", 0.3},
                     DifferenceCase{kRelay, 0.5, "u", 1}, DifferenceCase{kRelay, 0.5, "mu", 0.3}, DifferenceCase{kElement, 3, "bound", 3},
                     DifferenceCase{kElement, 3, "vx", 1.2}, DifferenceCase{kElement, 3, "k", 20}, DifferenceCase{kPlate, 0.2, "mu", 0.3},
-                    DifferenceCase{kPlate, 1, "mu", 0.3, 2e-6}, DifferenceCase{kPlate, 1, "vx", 1, 2e-6},
-                    DifferenceCase{kPlate, 1, "w0", 4, 2e-6}, DifferenceCase{kPolygon, 4, "mu", 0.3},
-                    DifferenceCase{kPolygon, 4, "angle", 0.4}, DifferenceCase{kPolygon, 4, "k", 1}));
+                    DifferenceCase{kPlate, 1, "mu", 0.3}, DifferenceCase{kPlate, 1, "vx", 1}, DifferenceCase{kPlate, 1, "w0", 4},
+                    DifferenceCase{kPolygon, 4, "mu", 0.3}, DifferenceCase{kPolygon, 4, "angle", 0.4},
+                    DifferenceCase{kPolygon, 4, "k", 1}));
 
 // The slips of both corners end in the impact or, with less friction, right after it.
 INSTANTIATE_TEST_SUITE_P(Landing, RunDifferences,
@@ -341,12 +341,12 @@ INSTANTIATE_TEST_SUITE_P(Shared, RunDifferences,
                                          DifferenceCase{kBounds, 0.246, "mu[3]", 0.1, 1e-8}, DifferenceCase{kBounds, 0.246, "m", 1, 1e-8},
                                          DifferenceCase{kBounds, 0.246, "x4", 0.6, 1e-8}, DifferenceCase{kBounds, 0.246, "v2", 0.8, 1e-8}));
 
-// Of a tip on a sphere three rows are redundant, and contradict one another where the table has another speed than the tip. What rounding
-// changes at the stop of the slip grows to some 1e-6 of the derivative by d until the end.
+// Of a tip on a sphere three rows are redundant, and contradict one another where the table has another speed than the tip. What
+// derivatives are off by at the stop of the slip must not grow until the end.
 INSTANTIATE_TEST_SUITE_P(Redundant, RunDifferences,
                          testing::Values(DifferenceCase{kTether, 1.6, "W", 4}, DifferenceCase{kTether, 1.9, "W", 4},
-                                         DifferenceCase{kTether, 1.9, "gx", 3, 1e-6}, DifferenceCase{kTether, 1.9, "mu", 0.4, 1e-6},
-                                         DifferenceCase{kTether, 1.9, "d", 0.5, 5e-6}));
+                                         DifferenceCase{kTether, 1.9, "gx", 3}, DifferenceCase{kTether, 1.9, "mu", 0.4, 1e-6},
+                                         DifferenceCase{kTether, 1.9, "d", 0.5, 1e-6}));
 
 // Through the point where infinitely many impacts accumulate.
 INSTANTIATE_TEST_SUITE_P(Rest, RunDifferences,
