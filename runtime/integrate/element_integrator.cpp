@@ -29,7 +29,7 @@ void ElementIntegrator::start(double time, const double *state, const double *ra
   error_ = 1;
   first_ = true;
   moved_ = isUniform_ = isHeld_ = false;
-  method_->restart();
+  method_->restart(dynamics_.hasTurningSlips());
   unstableSteps_ = stableSteps_ = 0;
 }
 

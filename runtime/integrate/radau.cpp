@@ -42,7 +42,7 @@ Radau::Radau(int size, int stages, Accuracy accuracy)
   }
 }
 
-void Radau::restart() {
+void Radau::restart(bool /*slipsTurn*/) {
   hasPast_ = false;
   stiff_ = false;
 }

@@ -22,7 +22,7 @@ public:
   // 1 ≤ stages ≤ 4
   Radau(int size, int stages, Accuracy accuracy = Accuracy::OfEnd);
 
-  void restart() override;
+  void restart(bool slipsTurn) override;
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   void interpolate(double theta, double *y) const override;

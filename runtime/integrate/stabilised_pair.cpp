@@ -25,18 +25,20 @@ StabilisedPair::StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, s
     : ElementMethod(size), pair_(std::move(pair)), low_(std::move(low)), border_(pair_->stabilityBorder()),
       stabilised_(std::move(stabilised)), radius_(size), patience_(leastPatience), pause_(leastPause), pauseLeft_(0) {}
 
-void StabilisedPair::restart() {
+void StabilisedPair::restart(bool slipsTurn) {
   isNewMode_ = true;
+  slipsTurn_ = slipsTurn && low_ != nullptr;
   adjustedSteps_ = 0;
   endsEarly_ = modeSteps_ == 1;
   modeSteps_ = 0;
   lowLength_ = 0;
-  isLow_ = isStabilised_ = false;
+  isLow_ = slipsTurn_;
+  isStabilised_ = false;
 }
 
 void StabilisedPair::forget() {
   modeSteps_ = 0;
-  restart();
+  restart(false);
   radius_.forget();
   isKnown_ = isDamped_ = mayStabilise_ = false;
   borderSteps_ = doubtfulSteps_ = wasted_ = pauseLeft_ = 0;
@@ -80,9 +82,12 @@ bool StabilisedPair::needsEstimate(double h) const {
          (isNewMode_ && (h * radius_.bound() > many || adjustedSteps_ >= several));
 }
 
-// A step clearly shorter than the error would end it, or, at first, in a mode that may end as early as the one before.
+// A step of a mode whose slips turn, one clearly shorter than the error would end it, or, at first, in a mode that may end as early as the
+// one before.
 bool StabilisedPair::mayBeLow(double h) const {
   constexpr double clearly = 0.7;
+  if (slipsTurn_)
+    return true;
   if (!low_ || (isDamped_ && radius_.isKnown() && h * radius_.bound() > low_->stabilityBorder()))
     return false;
   return lowLength_ > 0 ? h <= clearly * lowLength_ : endsEarly_ && modeSteps_ == 0;

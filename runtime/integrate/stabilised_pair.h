@@ -1,6 +1,6 @@
-// An explicit pair, one of lower order for those steps that something else than the error ends early (an event, an output), and a
-// stabilised method for those that stability would shorten: all are one-step methods, so that every step may be any one's. Damping that is
-// stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
+// An explicit pair, one of lower order for modes whose slips turn and for those steps that something else than the error ends early (an
+// event, an output), and a stabilised method for those that stability would shorten: all are one-step methods, so that every step may be
+// any one's. Damping that is stiff in one mode is so in the next ones: what is known of the spectrum outlives events.
 #pragma once
 
 #include "runtime/integrate/explicit_method.h"
@@ -18,7 +18,7 @@ public:
                  std::unique_ptr<StabilisedMethod> stabilised);
 
   void forget() override;
-  void restart() override;
+  void restart(bool slipsTurn) override;
   double adjustStep(double h, ModeDynamics &dynamics, double t0, const double *y0, const double *f0, const double *scale) override;
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
@@ -46,6 +46,7 @@ private:
 
   std::unique_ptr<ExplicitMethod> pair_, low_;
   bool isLow_ = false;      // the last step was low_'s, if not stabilised_'s
+  bool slipsTurn_ = false;  // in this mode: no order is high where they end
   double lowLength_ = 0;    // the step that the error of low_ would allow; 0: not known
   bool endsEarly_ = false;  // the mode before this one ended in its first step
   int modeSteps_ = 0;       // in this mode

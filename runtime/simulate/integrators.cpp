@@ -24,15 +24,15 @@ namespace {
 // Where the tolerance is very loose, events and stability limit the steps rather than errors: the fewer evaluations in a step the better.
 // Order 8 pays but where the tolerance is loose, since its steps of twelve evaluations are too long there for the pieces between events,
 // and where a step is short for other reasons than its error. Where slips of two components stop, their direction turns ever faster: no
-// order is high there. ROCK4, of order 4, does not pay where the tolerance is tight, nor does ROCK2, of order 2, where it is not very
-// loose.
+// order is high in modes that have such slips (`slipsTurn`: a mode of the model may). ROCK4, of order 4, does not pay where the tolerance
+// is tight, nor does ROCK2, of order 2, where it is not very loose.
 std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
   constexpr double ofRock2 = 5e-3, veryLoose = 5e-4, loose = 2e-6, tight = 2e-9;
   if (settings.fixedStep > 0)
     return std::make_unique<DormandPrince>(size);
   if (settings.tolerance <= tight && !slipsTurn)
     return std::make_unique<DormandPrince8>(size);
-  const bool isHigh = settings.tolerance <= loose && !slipsTurn;
+  const bool isHigh = settings.tolerance <= loose;
   std::unique_ptr<ExplicitMethod> pair, low;
   if (isHigh) {
     pair = std::make_unique<DormandPrince8>(size);

@@ -56,6 +56,31 @@ TEST(OrderOfSteps, IsLowWhereOutputsEndThem) {
   }
 }
 
+// A homogeneous ball that rolls on a turntable goes round in circles, at 2/7 of the table's rate: its slip of two components stays zero.
+TEST(OrderOfSteps, IsHighWhereABallRolls) {
+  CompiledModel model(sourceFile("turntable.tf", R"(
+model Turntable
+  parameter Real W = 3, r = 0.1;
+  coordinate Real p[3](start = {0.4, 0.1, r}, der(start = {0.3, -0.2, 0}));
+  coordinate Rotation Q(w(start = {(0.4*W + 0.2)/r, (0.3 + 0.1*W)/r, 1.3}));
+  Real w[3] = Q*Q.w;
+  body ball(mass = 0.7, position = p, orientation = Q, inertia = 2/5*0.7*r^2*identity(3));
+  gravity g(acceleration = {0, 0, -9.81});
+  contact table(gap = p[3] - r, slip = {der(p[1]) - r*w[2] + W*p[2], der(p[2]) + r*w[1] - W*p[1]}, friction = 5);
+end Turntable;
+)"));
+  const double round = 4 * std::acos(0.0) / (2.0 / 7 * 3);
+  const auto evaluations = [&](double tolerance) {
+    model.tolerance(tolerance).integrator(TF_EXPLICIT).run(round);
+    EXPECT_NEAR(model["p[1]"], 0.4, 20 * tolerance);
+    EXPECT_NEAR(model["p[2]"], 0.1, 20 * tolerance);
+    return static_cast<double>(tf_get_statistics(model.simulation())->evaluations);
+  };
+  // 10000^(1/5) = 6.3, 10000^(1/8) = 3.2.
+  const double loose = evaluations(1e-6);
+  EXPECT_LT(evaluations(1e-10) / loose, 4.5);
+}
+
 // The squares of the errors of a force that is all but zero are zero. Its whole impulse is s √π.
 TEST(OrderOfSteps, AForceThatGrowsOutOfNothingIsFollowed) {
   CompiledModel model(sourceFile("pulse.tf", R"(
