@@ -68,6 +68,8 @@ public:
   bool start(const Mode &mode, double time, const double *state) { return start(mode, time, state, plus_.data()); }
   // As well, with dy/dt there; `solved` (may be null): the contact problem there, with the mode's step variables.
   bool start(const Mode &mode, double time, const double *state, double *rate, const SolvedContacts *solved = nullptr);
+  // The next mode is begun without anything of before, also where it is the one that was begun last.
+  void forget() { preparedRevision_ = -1; }
   // For projections onto what a mode holds at zero, whether or not it has admissible forces: nothing else is ready but `evaluate`, and
   // another mode must be started before events are looked for. False: M or H cannot be evaluated there.
   bool hold(const Mode &mode, double time, const double *state);

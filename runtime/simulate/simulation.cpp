@@ -566,6 +566,7 @@ void Simulation::Implementation::save(void *buffer) {
 // The saved point is where both continuations do.
 bool Simulation::Implementation::beginAnew() {
   at_.screen().forget();
+  dynamics_.forget();
   integrators_.forget();
   lingeringSteps_ = 0;
   switchProgress_.start(model_.ns);
