@@ -149,7 +149,14 @@ bool EquationSystem::reportUnmatched(const Dependencies &symbols) {
   }
   for (const auto &[variable, unknowns] : undetermined) {
     const std::string others = unknowns.size() > 1 ? fmt::format(" and {} more of its elements", unknowns.size() - 1) : "";
-    diagnostics_.report(diag::UndeterminedVariable, declarationOf(unknowns[0]), nameOf(unknowns[0]), others);
+    const Span declared = declarationOf(unknowns[0]);
+    Diagnostic &report = diagnostics_.report(diag::UndeterminedVariable, declared, nameOf(unknowns[0]), others);
+    const flat::Variable &whole = variables_.variable(variables_.scalars(Role::Unknown)[static_cast<std::size_t>(unknowns[0])]);
+    if (whole.isComponentInput)
+      report.note(declared,
+                  fmt::format("it is an input of a component, which the model around gives by an equation: '{} = …', for instance "
+                              "an input of its own",
+                              whole.name));
     isComplete = false;
   }
   for (std::size_t e = 0; e < equations_.size(); ++e)

@@ -127,9 +127,10 @@ struct Component {
   const ast::Element *element = nullptr;
   const ast::ComponentClause *clause = nullptr;
   const ast::Component *declaration = nullptr;
-  Class *scope = nullptr;      // where its type and dimensions are looked up
-  Class *container = nullptr;  // the instance that it is a part of
-  ModifierPtr modifier;        // outer modifications merged over its own
+  Class *scope = nullptr;                     // where its type is looked up
+  Class *container = nullptr;                 // the instance that it is a part of
+  std::vector<Dimension> declaredDimensions;  // those before the type's
+  ModifierPtr modifier;                       // outer modifications merged over its own
   Prefixes prefixes;
 
   Progress typeProgress = Progress::Fresh;

@@ -140,11 +140,7 @@ private:
   }
 
   bool evaluateDimensions(const std::vector<Dimension> &inherited) {
-    std::vector<Dimension> dimensions;
-    for (const ast::Expr *size : component_.declaration->subscripts)
-      dimensions.push_back({size, component_.scope});
-    for (const ast::Expr *size : component_.clause->subscripts)
-      dimensions.push_back({size, component_.scope});
+    std::vector<Dimension> dimensions = component_.declaredDimensions;
     dimensions.insert(dimensions.end(), inherited.begin(), inherited.end());
     long total = 1;
     for (std::size_t i = 0; i < dimensions.size(); ++i) {
@@ -353,6 +349,7 @@ flat::VariableId variableOf(Context &context, Component &component) {
   variable.type = typeOf(component);
   variable.variability = variabilityOf(component);
   variable.causality = component.prefixes.causality;
+  variable.isComponentInput = component.container->owner != nullptr && component.clause->causality == ast::Causality::Input;
   variable.isCoordinate = component.clause->isCoordinate;
   variable.isFinal = component.prefixes.isFinal;
   variable.isProtected = component.prefixes.isProtected;

@@ -87,6 +87,15 @@ bool mayRedeclare(Context &context, const Modifier &modifier, const ast::Element
   return false;
 }
 
+// `Real[3] x[2]` has two dimensions, the component's first.
+std::vector<Dimension> dimensionsOf(const ast::ComponentClause &clause, const ast::Component &component, Class *scope) {
+  std::vector<Dimension> dimensions;
+  for (const ast::List<ast::Expr *> *subscripts : {&component.subscripts, &clause.subscripts})
+    for (const ast::Expr *size : *subscripts)
+      dimensions.push_back({size, scope});
+  return dimensions;
+}
+
 class Elaboration {
 public:
   Elaboration(Context &context, Class &scope) : context_(context), class_(scope), definition_(*scope.definition) {}
@@ -261,6 +270,7 @@ private:
     component.declaration = &declared;
     component.scope = &class_;
     component.container = &class_;
+    component.declaredDimensions = dimensionsOf(*component.clause, declared, &class_);
     ModifierPtr own = declaredModifier(context_, &element, declared, &class_);
     ModifierPtr outer = childOf(class_.modifier, component.name);
     if (outer && outer->redeclaration && outer->redeclaration->component != nullptr &&
@@ -270,6 +280,7 @@ private:
       component.clause = redeclaration.clause;
       component.declaration = redeclaration.component;
       component.scope = redeclaration.scope;
+      redeclareDimensions(component, outer->nameSpan, declared.name.span);
     }
     component.modifier = merge(withoutRedeclaration(outer), own, context_.diagnostics);
     if (class_.value)
@@ -283,6 +294,18 @@ private:
     member.isProtected = element.isProtected;
     setPrefixes(component, element);
     return member;
+  }
+
+  // All of them or none, which keeps those that were declared (MLS 7.3.2).
+  void redeclareDimensions(Component &component, Span redeclared, Span declared) const {
+    const std::vector<Dimension> own = dimensionsOf(*component.clause, *component.declaration, component.scope);
+    if (own.empty())
+      return;
+    if (own.size() != component.declaredDimensions.size())
+      context_.diagnostics.report(diag::RedeclaredRank, redeclared, component.name, own.size(), component.declaredDimensions.size())
+          .note(declared, "declared here");
+    else
+      component.declaredDimensions = own;
   }
 
   void setRecordValue(Component &component) const {

@@ -174,6 +174,7 @@ struct Variable {
   Type type;
   Variability variability = Variability::Continuous;
   Causality causality = Causality::Local;
+  bool isComponentInput = false;  // Local: declared as an input of a component
   bool isCoordinate = false;
   bool isAngularVelocity = false;  // "R.w": of the rotation coordinate that is the variable before this one, in the body's frame
   bool isStructural = false;       // parameter whose value is folded into sizes, conditions or Evaluate = true

@@ -17,6 +17,17 @@ struct Draft {
   Modifier node;
   std::vector<Draft> children;
 
+  // `each` of the whole becomes one of each of its parts.
+  void passEachOn() {
+    for (Draft &draft : children)
+      draft.node.isEach |= node.isEach;
+    node.isEach = false;
+  }
+
+  [[nodiscard]] bool has(std::string_view name) const {
+    return std::ranges::any_of(children, [&](const Draft &draft) { return draft.node.name == name; });
+  }
+
   Draft &child(std::string_view name, Span nameSpan, Span span) {
     for (Draft &draft : children)
       if (draft.node.name == name)
@@ -39,11 +50,12 @@ class Builder {
 public:
   Builder(Class *scope, Diagnostics &diagnostics) : scope_(scope), diagnostics_(diagnostics) {}
 
-  void addModification(Draft &target, const ast::Modification &modification, bool isEach) {
+  // `isEach` is said of the whole modification; `areEach` of each of its arguments.
+  void addModification(Draft &target, const ast::Modification &modification, bool isEach, bool areEach = false) {
     if (modification.isBreak)
       diagnostics_.report(diag::BreakNotSupported, modification.span);
     for (const ast::Argument &argument : modification.arguments)
-      addArgument(target, argument);
+      addArgument(target, argument, areEach || argument.isEach);
     if (modification.value == nullptr)
       return;
     if (target.node.binding)
@@ -60,19 +72,14 @@ public:
   }
 
 private:
-  void addArgument(Draft &target, const ast::Argument &argument) {
+  void addArgument(Draft &target, const ast::Argument &argument, bool isEach) {
     switch (argument.kind) {
     case ast::ArgumentKind::Element:
-      addElement(target, argument);
+      addElement(target, argument, isEach);
       return;
-    case ast::ArgumentKind::Der: {
-      Draft &child = target.child(kDer, argument.span, argument.span);
-      child.node.isEach |= argument.isEach;
-      child.node.isFinal |= argument.isFinal;
-      if (argument.modification != nullptr)
-        addModification(child, *argument.modification, argument.isEach);
+    case ast::ArgumentKind::Der:
+      addTo(target, kDer, argument.span, argument, isEach);
       return;
-    }
     case ast::ArgumentKind::BreakComponent:
     case ast::ArgumentKind::BreakConnect:
       diagnostics_.report(diag::BreakNotSupported, argument.span);
@@ -97,16 +104,31 @@ private:
   }
 
   // `a.b.c(…) = e`: prefixes belong to the last part (MLS 7.2.4).
-  void addElement(Draft &target, const ast::Argument &argument) {
-    if (argument.path.parts.empty())
+  void addElement(Draft &target, const ast::Argument &argument, bool isEach) {
+    const auto &parts = argument.path.parts;
+    if (parts.empty())
       return;
     Draft *draft = &target;
-    for (const ast::ReferencePart &part : argument.path.parts)
-      draft = &draft->child(part.name.text, part.name.span, argument.span);
-    draft->node.isEach |= argument.isEach;
-    draft->node.isFinal |= argument.isFinal;
+    for (std::size_t k = 0; k + 1 < parts.size(); ++k) {
+      draft = &draft->child(parts[k].name.text, parts[k].name.span, argument.span);
+      draft->passEachOn();
+    }
+    const ast::Name &last = parts[parts.size() - 1].name;
+    addTo(*draft, last.text, last.span, argument, isEach);
+  }
+
+  // Of several arguments for one element, `each` of one is said of what this one modifies only.
+  void addTo(Draft &target, std::string_view name, Span nameSpan, const ast::Argument &argument, bool isEach) {
+    const bool isFirst = !target.has(name);
+    Draft &child = target.child(name, nameSpan, argument.span);
+    const bool areEach = !isFirst && isEach && !child.node.isEach;
+    if (isFirst)
+      child.node.isEach = isEach;
+    else if (!isEach)
+      child.passEachOn();
+    child.node.isFinal |= argument.isFinal;
     if (argument.modification != nullptr)
-      addModification(*draft, *argument.modification, argument.isEach);
+      addModification(child, *argument.modification, isEach, areEach);
   }
 
   void reportTwice(std::string_view name, Span second, Span first) {
@@ -148,11 +170,36 @@ ModifierPtr makeRedeclaration(const ast::Element &element, const ast::Component 
   return finish(std::move(draft));
 }
 
+namespace {
+
+// As Draft::passEachOn; a binding knows its own.
+ModifierPtr withEachPassedOn(const ModifierPtr &modifier) {
+  if (!modifier->isEach)
+    return modifier;
+  auto copy = std::make_shared<Modifier>(*modifier);
+  copy->isEach = false;
+  for (ModifierPtr &child : copy->children) {
+    auto part = std::make_shared<Modifier>(*child);
+    part->isEach = true;
+    child = part;
+  }
+  return copy;
+}
+
+// Whether both say something of different parts, `each` of which is said of the one only.
+bool differInEach(const Modifier &outer, const Modifier &inner) {
+  return outer.isEach != inner.isEach && saysSomething(outer) && (!inner.children.empty() || (inner.binding && !outer.binding));
+}
+
+}  // namespace
+
 ModifierPtr merge(const ModifierPtr &outer, const ModifierPtr &inner, Diagnostics &diagnostics) {
   if (!outer)
     return inner;
   if (!inner)
     return outer;
+  if (differInEach(*outer, *inner))
+    return merge(withEachPassedOn(outer), withEachPassedOn(inner), diagnostics);
   if (inner->isFinal && saysSomething(*outer))
     diagnostics.report(diag::FinalModified, outer->nameSpan, inner->name).note(inner->span, "declared final here");
   auto merged = std::make_shared<Modifier>(*outer);
@@ -199,7 +246,9 @@ ModifierPtr splitNested(const ModifierPtr &modifier, const std::vector<int> &ind
   if (modifier->isEach)
     return mapBindings(modifier, [](Binding &binding) { binding.isWithinArray = true; });
   auto copy = std::make_shared<Modifier>(*modifier);
-  if (copy->binding)
+  if (copy->binding && copy->binding->isEach)
+    copy->binding->isWithinArray = true;
+  else if (copy->binding)
     splitBinding(*copy->binding, index, sizes);
   for (ModifierPtr &child : copy->children)
     child = splitNested(child, index, sizes);

@@ -74,6 +74,52 @@ end M;
   EXPECT_THAT(flat, HasSubstr("Real total = sum({{a[1,1].x, a[1,2].x}, {a[2,1].x, a[2,2].x}}) + a[2,1].x;"));
 }
 
+TEST(Instantiate, eachOfOneOfSeveralModificationsHoldsForThatOne) {
+  const std::string flat = flatten(R"(
+model M
+  model A
+    Real y(start = 1);
+  equation
+    der(y) = -y;
+  end A;
+  model B
+    A a[2](each y(nominal = 2));
+  end B;
+  A before[2](each y(min = -9), y(start = {1, 2}));
+  A behind[2](y(start = {3, 4}), each y(min = -8), y.max = {7, 8});
+  B b(a(y(start = {5, 6})));
+end M;
+)");
+  for (const char *line :
+       {"before[2].y(start = 2, min = -9)", "behind[1].y(start = 3, min = -8, max = 7)", "behind[2].y(start = 4, min = -8, max = 8)",
+        "b.a[1].y(start = 5, nominal = 2)", "b.a[2].y(start = 6, nominal = 2)"})
+    EXPECT_THAT(flat, HasSubstr(line));
+}
+
+TEST(Instantiate, redeclarationsWithoutDimensionsKeepThem) {
+  const std::string flat = flatten(R"(
+model M
+  model A
+    parameter Real k = 1;
+  end A;
+  model B
+    extends A;
+    parameter Real l = 2;
+  end B;
+  model Holder
+    parameter Integer n = 2;
+    replaceable A a[n](k = {1, 2});
+  end Holder;
+  parameter Integer n = 5;
+  Holder kept(redeclare B a(l = {3, 4})), changed(redeclare B a[3](k = {5, 6, 7}));
+end M;
+)");
+  EXPECT_THAT(flat, HasSubstr("kept.a[2].k = 2;"));
+  EXPECT_THAT(flat, HasSubstr("kept.a[2].l = 4;"));
+  EXPECT_THAT(flat, testing::Not(HasSubstr("kept.a[3]")));
+  EXPECT_THAT(flat, HasSubstr("changed.a[3].k = 7;"));
+}
+
 TEST(Instantiate, structuralParametersAreFolded) {
   const std::string text = R"(
 model M
