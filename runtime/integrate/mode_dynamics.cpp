@@ -22,7 +22,8 @@ ModeDynamics::ModeDynamics(ModelEvaluation &evaluation)
     isPaired_[j] = pair[j] >= 0;
 }
 
-// A mode without rows and sliding step variables depends on nothing but its step variables, and may begin again as it is.
+// A mode without rows and sliding step variables depends on nothing but its step variables, and may begin again as it is: only the scales
+// of its guards are those of where it was begun first.
 bool ModeDynamics::isPrepared(const Mode &mode) const {
   return preparedRevision_ == at_.parameterRevision() && rows_.count() == 0 && sliding_.empty() && mode == mode_ && mode.held == mode_.held;
 }

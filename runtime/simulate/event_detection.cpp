@@ -211,7 +211,13 @@ double EventDetection::guardInside(int guard, double time) {
   return guardAt(guard, time, state_.data());
 }
 
+// Guards are read as they are: what has been remembered of them belongs to another mode, or to another begin of this one.
 void EventDetection::restart(double time, double partOfRounding) {
+  starts_.assign(dynamics_.guards().size(), openStart(time));
+  readStarts(time, partOfRounding);
+}
+
+void EventDetection::readStarts(double time, double partOfRounding) {
   const std::vector<Guard> &guards = dynamics_.guards();
   needsForces_ = hasDifferences_ = false;
   for (std::size_t k = dynamics_.gapGuardCount(); k < guards.size(); ++k) {
@@ -220,7 +226,6 @@ void EventDetection::restart(double time, double partOfRounding) {
   }
   varies_ = dynamics_.guardsVary();
   cut_ = false;
-  starts_.resize(guards.size());
   // A gap whose reading leaves the screen's box wakes contacts.
   do {
     chooseAwake();
@@ -306,7 +311,8 @@ void EventDetection::wake() {
 void EventDetection::resume(double time, double partOfRounding) {
   resumed_ = starts_;
   previous_.swap(awake_);
-  restart(time, partOfRounding);
+  starts_.resize(dynamics_.guards().size(), openStart(time));
+  readStarts(time, partOfRounding);
   for (const int k : awake_)
     if (k < dynamics_.gapGuardCount())
       starts_[k] = std::binary_search(previous_.begin(), previous_.end(), k) ? resumed_[k] : openStart(time);

@@ -89,6 +89,7 @@ private:
   [[nodiscard]] bool isCurrent() const;
   [[nodiscard]] bool opensAtSpeed(int guard, double partOfRounding) const;
   void watchZeros(double factor);
+  void readStarts(double time, double partOfRounding);
   void chooseAwake();
   void coverStep(double reach);
   void wake();

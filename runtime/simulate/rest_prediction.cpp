@@ -78,11 +78,9 @@ void RestPrediction::write(double *numbers) const {
 }
 
 void RestPrediction::read(const double *numbers) {
+  reset(numbers[fastest_.size() + 1]);
   std::copy_n(numbers, fastest_.size(), fastest_.begin());
-  std::fill(last_.begin(), last_.end(), 0.0);
   impacts_ = numbers[fastest_.size()];
-  begin_ = numbers[fastest_.size() + 1];
-  restart();
 }
 
 // Weights that extrapolate values at x to 0, for the powers 1, x², x³, …, and x where switches change on the way.
