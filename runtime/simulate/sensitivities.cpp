@@ -320,6 +320,8 @@ double Sensitivities::nextPiece(double length, double error, double jump) {
 }
 
 bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end, double held) {
+  if (!(end > begin) || columns_.empty() || n_ == 0)
+    return true;
   held_ = held;
   const bool isKnown = addPieces(integrator, begin, end) && holdRows(integrator, end);
   if (!isKnown)
@@ -336,8 +338,6 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
   // More attempts at pieces of a step are no progress: differences of the rate are not as exact as the tolerance asks for.
   constexpr int mostAttempts = 20000;
   const double h = end - begin;
-  if (!(h > 0) || columns_.empty() || n_ == 0)
-    return true;
   const IntegratorSettings &settings = integrator.settings();
   scale_ = settings.scale.data();
   const bool isControlled = settings.fixedStep <= 0;
@@ -521,11 +521,14 @@ auto Sensitivities::displacement(const Map &map) {
   };
 }
 
-bool Sensitivities::mapColumns(const Map &map, double time, const double *state) {
+bool Sensitivities::mapColumns(const Map &map, double time, const double *state, double rounding) {
   Eigen::MatrixXd mapped(n_, columnCount());
-  for (int k = 0; k < columnCount(); ++k)
+  for (int k = 0; k < columnCount(); ++k) {
     if (!differentiate(displacement(map), time, state, k, n_, mapped.col(k).data()))
       return false;
+    if (mapped.col(k).lpNorm<Eigen::Infinity>() <= rounding * alongScale(k))
+      mapped.col(k).setZero();
+  }
   matrix_ += mapped;
   return matrix_.allFinite();
 }
@@ -534,23 +537,14 @@ bool Sensitivities::mapColumns(const Map &map, double time, const double *state)
 // would grow.
 bool Sensitivities::holdRows(SmoothIntegrator &integrator, double time) {
   constexpr double rounding = 1e-11;
-  if (columns_.empty() || !dynamics_.hasRedundantRows())
+  if (!dynamics_.hasRedundantRows())
     return true;
-  if (!evaluate(integrator, time))
-    return false;
   const double *scale = integrator.settings().scale.data();
-  const Map project = [this, scale](double at, double *state) {
+  const auto project = [this, scale](double at, double *state) {
     dynamics_.project(at, state, scale);
     return true;
   };
-  Eigen::VectorXd change(n_);
-  for (int k = 0; k < columnCount(); ++k) {
-    if (!differentiate(displacement(project), time, state_.data(), k, n_, change.data()))
-      return false;
-    if (change.lpNorm<Eigen::Infinity>() > rounding * alongScale(k))
-      matrix_.col(k) += change;
-  }
-  return matrix_.allFinite();
+  return evaluate(integrator, time) && mapColumns(project, time, state_.data(), rounding);
 }
 
 // Differences of order 2 to both sides, one less the other. False: not both can be evaluated.

@@ -106,7 +106,8 @@ private:
   bool addPieces(SmoothIntegrator &integrator, double begin, double end);
   bool holdRows(SmoothIntegrator &integrator, double time);
   auto displacement(const Map &map);
-  bool mapColumns(const Map &map, double time, const double *state);
+  // Changes that are not larger than `rounding`, relative to what changes, are none.
+  bool mapColumns(const Map &map, double time, const double *state, double rounding = 0);
   bool mapBothSides(const Map &map, double time, const double *state);
   bool findKink(const Map &map, double time, const double *state);
   template <class Function> bool kink(const Function &function, double scale, double *jump);
