@@ -21,7 +21,7 @@ public:
 
   // Forgets what it knows of earlier elements (a new mode, a jump). `slipsTurn`: the mode has slips of two components, whose direction
   // turns ever faster as they end.
-  virtual void restart(bool slipsTurn) = 0;
+  virtual void restart(bool /*slipsTurn*/) {}
   // Solves the element from (t0, y0) with dy/dt(t0) = f0. Implicit equations are solved to `accuracy` relative to `scale`. The dynamics'
   // last evaluation is at the end then. False: it did not converge or the dynamics cannot be evaluated.
   virtual bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,

@@ -15,7 +15,6 @@ namespace tf::runtime {
 
 class ExplicitMethod : public ElementMethod {
 public:
-  void restart(bool /*slipsTurn*/) override {}
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override {
     return largestError(scale) / tolerance * std::max(1.0, powerError_ / (1 + 0.75 * powerError_ * distance_));
   }

@@ -52,7 +52,6 @@ public:
   // At the most, of the elements to come; steps are as long as border()/radius at the most.
   void setRadius(double radius) { radius_ = radius; }
 
-  void restart(bool /*slipsTurn*/) override {}
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   [[nodiscard]] int interiorStages() const override { return stages_ - 1; }

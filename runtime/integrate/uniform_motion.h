@@ -9,7 +9,6 @@ class UniformMotion final : public ElementMethod {
 public:
   explicit UniformMotion(int size) : ElementMethod(size) {}
 
-  void restart(bool /*slipsTurn*/) override {}
   // y0 and f0 must stay until the next element.
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
