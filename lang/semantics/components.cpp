@@ -349,7 +349,8 @@ flat::VariableId variableOf(Context &context, Component &component) {
   variable.type = typeOf(component);
   variable.variability = variabilityOf(component);
   variable.causality = component.prefixes.causality;
-  variable.isComponentInput = component.container->owner != nullptr && component.clause->causality == ast::Causality::Input;
+  variable.isComponentInput = component.container->owner != nullptr &&
+                              (component.clause->causality == ast::Causality::Input || component.leaf->causality == ast::Causality::Input);
   variable.isCoordinate = component.clause->isCoordinate;
   variable.isFinal = component.prefixes.isFinal;
   variable.isProtected = component.prefixes.isProtected;
