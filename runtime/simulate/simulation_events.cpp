@@ -215,7 +215,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return failWithoutProgress();
   bool stops = dynamics_.guards()[event.guard].kind == GuardKind::SlipAlong;
   if (stops && !locateStop(event))
-    return followTurn(event);
+    return followTurn(event, limit);
   EventDetection::Location location = stops ? EventDetection::Location::Found : detection_.locate(event);
   for (int k = 0; k < model_.nc && location == EventDetection::Location::Found && detection_.findEarlier(event); ++k) {
     stops = false;
@@ -224,9 +224,9 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   }
   if (location == EventDetection::Location::Unsolved ||
       (location == EventDetection::Location::Found && !stops && !integrators_.current().isResolved()))
-    return approach(event);
+    return approach(event, limit);
   if (location == EventDetection::Location::Vanished)
-    return endStep(event.time - integrators_.current().beginTime());
+    return endStep(event.time - integrators_.current().beginTime(), limit);
   const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
   if (stops)

@@ -193,9 +193,9 @@ private:
   double lingeringSpeed();
   int lingeringSlip();
   tf_status stopLingering(int guard, double limit);
-  tf_status followTurn(const DetectedEvent &event);
-  tf_status approach(const DetectedEvent &event);
-  tf_status endStep(double next);
+  tf_status followTurn(const DetectedEvent &event, double limit);
+  tf_status approach(const DetectedEvent &event, double limit);
+  tf_status endStep(double next, double limit);
 };
 
 }  // namespace tf::runtime

@@ -153,7 +153,7 @@ tf_status Simulation::Implementation::stopLingering(int guard, double limit) {
 }
 
 // The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.
-tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
+tf_status Simulation::Implementation::followTurn(const DetectedEvent &event, double limit) {
   SmoothIntegrator &integrator = integrators_.current();
   const double begin = integrator.beginTime();
   double length = event.time - begin;
@@ -166,12 +166,12 @@ tf_status Simulation::Implementation::followTurn(const DetectedEvent &event) {
     at_.switching(ModelEvaluation::Slips);
     good = dynamics_.guardValue(event.guard) >= 0.5 * dynamics_.slipSpeed(event.guard) && integrator.isResolved();
   }
-  return endStep(0.5 * length);
+  return endStep(0.5 * length, limit);
 }
 
 // Slips of two components that have just begun, or are about to end, may keep the equations of a step to the event from being solved: those
 // of a shorter one can be, and the next step has other directions to start from. So does what a step has passed unseen.
-tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
+tf_status Simulation::Implementation::approach(const DetectedEvent &event, double limit) {
   SmoothIntegrator &integrator = integrators_.current();
   const double begin = integrator.beginTime();
   double length = event.time - begin;
@@ -180,13 +180,18 @@ tf_status Simulation::Implementation::approach(const DetectedEvent &event) {
     if (begin + length <= begin)
       return failEvaluation();
   } while (!integrator.shorten(begin + length) || !integrator.isResolved());
-  return endStep(0.5 * length);
+  return endStep(0.5 * length, limit);
 }
 
-// The step that has been shortened ends without an event; `next` is a first guess of the length of the next one.
-tf_status Simulation::Implementation::endStep(double next) {
+// The step that has been shortened ends without an event; `next` is a first guess of the length of the next one. Where slips turn the
+// shorter step may be quite another one, in which a force has become negative, say; beyond a pole that would be no zero of it.
+tf_status Simulation::Implementation::endStep(double next, double limit) {
   if (const tf_status status = projectEnd(); status != TF_OK)
     return status;
+  DetectedEvent event;
+  event.time = integrators_.current().endTime();
+  if (!dynamics_.mayTurnBeyondPole() && detection_.findEarlier(event))
+    return handle(event, limit);
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   suggestedStep_ = next;
