@@ -333,7 +333,6 @@ tf_status Simulation::Implementation::checkStartingSlips() {
 
 // The state becomes that of the end of the integrator's step.
 tf_status Simulation::Implementation::commit() {
-  constexpr double ulps = 8;  // what times are resolved to
   SmoothIntegrator &integrator = integrators_.current();
   if (dynamics_.metNegativeFriction())
     if (const tf_status status = checkFriction(); status != TF_OK)
@@ -353,10 +352,7 @@ tf_status Simulation::Implementation::commit() {
   std::copy_n(integrator.endRate(), n_, rate_.begin());
   if (!detection_.isCut())
     suggestedStep_ = integrators_.primaryIsCurrent() ? integrator.suggestedStep() : 0;
-  // Directions of slips that turn are chosen anew behind each step. Where the new ones have a contact pull it opens at once: its force has
-  // acted for no time.
-  const bool lasts = time_ - begin > ulps * std::numeric_limits<double>::epsilon() * std::abs(time_);
-  if ((energy_ || isSampled) && dynamics_.evaluate(time_, state_.data(), rate_.data()) && lasts)
+  if ((energy_ || isSampled) && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     observeInvariants(false);
   if (!differentiated)
     return failSensitivities(

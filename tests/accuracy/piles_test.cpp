@@ -159,24 +159,6 @@ TEST(Piles, FifteenRoughSpheresCollapse) {
 }
 
 // Slips that press each other in leave the contact problem without a solution; no single contact starts the impulse that ends them.
-// Slips that nearly stop turn by any angle within nanoseconds, and with them forces that bear a good part of the weight.
-TEST(Piles, SpheresDoNotPullWhereTheirSlipsTurn) {
-  CompiledModel model(sourceFile("turning_spheres.tf", pileOfSpheres(5, roughPairs)));
-  constexpr double starts[5][3] = {
-      {-0.1018, 0.1179, 0.34}, {0.1023, -0.1166, 0.56}, {-0.1066, -0.0906, 0.78}, {0.1268, 0.0923, 1}, {-0.1158, 0.1043, 1.22}};
-  for (int k = 0; k < 5; ++k)
-    for (int i = 0; i < 3; ++i)
-      ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},{}]", k + 1, i + 1).c_str(), starts[k][i]), TF_OK);
-  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
-  model.tolerance(1e-6).initialise();
-  for (int k = 1; k <= 460; ++k)
-    model.advance(0.0026 * k);
-  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
-  EXPECT_GE(statistics.worst_gap, -1e-9);
-  EXPECT_GE(statistics.worst_normal_force, -1e-4);
-  EXPECT_LT(statistics.worst_energy_error, 1e-6);
-}
-
 TEST(Piles, TenDiscsComeToRest) {
   CompiledModel model(sourceFile("ten_discs.tf", pileOfDiscs(10)));
   expectRest(model, 10, 10, 1e-6, 1e-7);
