@@ -548,17 +548,37 @@ void EventDetection::examineDip(int guard, const Sample &a, const Sample &middle
   }
 }
 
-// Functions of angles must not turn round unseen between two samples: into so many equal parts the step is divided at least.
+// Functions of angles must not turn round unseen between two samples.
+double EventDetection::farthestTurn() const {
+  return dynamics_.model().model().nr > 0 ? 0.5 : 1;  // quaternions turn by half of the angle
+}
+
+// Into so many equal parts the step is divided at least.
 long long EventDetection::intervalCount() const {
   constexpr double most = 1e15;  // rates beyond all measure
   const tf_model &model = dynamics_.model().model();
-  const double farthest = model.nr > 0 ? 0.5 : 1;  // quaternions turn by half of the angle
   const double h = end_.time - begin_.time;
   double turn = 0;
   for (int i = 0; i < model.nq; ++i)
     turn = std::max(turn, std::max(std::abs(integrator_->beginRate()[i]), std::abs(integrator_->endRate()[i])) /
                               integrator_->settings().scale[i]);
-  return std::max(2LL, static_cast<long long>(std::min(std::ceil(h * turn / farthest), most)));
+  return std::max(2LL, static_cast<long long>(std::min(std::ceil(h * turn / farthestTurn()), most)));
+}
+
+// Where the sample behind that at `time` is due, in a step of uniform motion: as far away as the rates there let it be, at the begin of a
+// long fall farther than at its end.
+double EventDetection::nextUniformSample(double time) const {
+  const tf_model &model = dynamics_.model().model();
+  const double *begin = integrator_->beginRate(), *end = integrator_->endRate();
+  const double length = end_.time - begin_.time, passed = (time - begin_.time) / length;
+  double distance = 0.5 * length;
+  for (int i = 0; i < model.nq; ++i) {
+    // rate d + acceleration d² ≤ turn
+    const double turn = farthestTurn() * integrator_->settings().scale[i];
+    const double rate = std::abs(begin[i] + passed * (end[i] - begin[i])), acceleration = std::abs(end[i] - begin[i]) / length;
+    distance = std::min(distance, 2 * turn / (rate + std::sqrt(rate * rate + 4 * acceleration * turn)));
+  }
+  return time + distance;
 }
 
 DetectedEvent EventDetection::detect() {
@@ -634,14 +654,18 @@ DetectedEvent EventDetection::search() {
 }
 
 void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
-  const long long count = intervalCount();
+  const bool isUniform = integrator_->isUniform();
+  const long long count = isUniform ? 0 : intervalCount();
   const double h = end_.time - begin_.time;
   const Sample *before = nullptr, *a = &begin_;
-  for (long long i = 1; i <= count && (first.guard < 0 || first.time > a->time); ++i) {
+  for (long long i = 1; a != &end_ && (first.guard < 0 || first.time > a->time); ++i) {
+    const double equal = i < count ? begin_.time + static_cast<double>(i) * (h / static_cast<double>(count)) : end_.time;
+    const double time = isUniform ? nextUniformSample(a->time) : equal;
     const Sample *b = &end_;
-    if (i < count) {
-      Sample &inner = inner_[i % 3];
-      if (!sampleInside(begin_.time + static_cast<double>(i) * (h / static_cast<double>(count)), withForces, inner))
+    // Too near to tell apart: there are no rates to speak of.
+    if (time > a->time && time < end_.time) {
+      Sample &inner = inner_[static_cast<std::size_t>(i % 3)];
+      if (!sampleInside(time, withForces, inner))
         return;
       b = &inner;
     }

@@ -102,7 +102,9 @@ private:
   void readSlipRates(Sample &sample);
   // On the interpolant; the guards that need forces are NaN where these are left out. False: there are no forces (never without them).
   bool sampleInside(double time, bool withForces, Sample &sample);
+  [[nodiscard]] double farthestTurn() const;
   [[nodiscard]] long long intervalCount() const;
+  [[nodiscard]] double nextUniformSample(double time) const;
   void examineSamples(bool withForces, DetectedEvent &first);
   [[nodiscard]] bool isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const;
   void interpolate(double time);
@@ -128,6 +130,7 @@ private:
   [[nodiscard]] bool isSteady(int guard) const;
   bool examineCubics(DetectedEvent &first);
   bool fitCubics();
+  bool parabolaEvent(int guard, DetectedEvent &first) const;
   bool cubicZero(int guard, DetectedEvent &first) const;
   bool examineEndsAlone(DetectedEvent &first);
   void measureEnds(const Sample &middle);

@@ -1,8 +1,8 @@
 // Where the next event is expected: a step that ends right behind it need not be solved a second time to end at it.
 #include "runtime/simulate/event_detection.h"
+#include "runtime/simulate/parabola_zero.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
 
 namespace tf::runtime {
@@ -12,15 +12,6 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 // Parts of a step that the expected zero may be missed by: the integrator's reach covers it on both sides of the step's end.
 constexpr double margin = 0.5;
-
-// The first t > 0 with gap + rate t + acceleration t²/2 = 0, infinity if there is none; a gap of zero opens first.
-double parabolaZero(double gap, double rate, double acceleration) {
-  if (gap <= 0)
-    return rate > 0 && acceleration < 0 ? -2 * rate / acceleration : infinity;
-  const double discriminant = rate * rate - 2 * acceleration * gap;
-  const double sum = discriminant >= 0 ? std::sqrt(discriminant) - rate : 0;
-  return sum > 0 ? 2 * gap / sum : infinity;
-}
 
 }  // namespace
 

@@ -1,6 +1,7 @@
 // What the values and rates of guards at the ends of a step tell of zeros inside it, without samples on the interpolant.
 #include "runtime/simulate/cubic_hermite.h"
 #include "runtime/simulate/event_detection.h"
+#include "runtime/simulate/parabola_zero.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,8 +44,26 @@ bool EventDetection::examineCubics(DetectedEvent &first) {
     return false;
   first = {};
   for (const int k : awake_)
-    if (!isSampled(k) && !cubicZero(k, first))
+    if (!isSampled(k) && !(areParabolas ? parabolaEvent(k, first) : cubicZero(k, first)))
       return false;
+  return true;
+}
+
+// The first zero of a gap along a parabola, from its begin: a hop may be any part of the step. False: it is not clear.
+bool EventDetection::parabolaEvent(int guard, DetectedEvent &first) const {
+  const double a = begin_.value[guard], da = begin_.rate[guard], zero = level(guard);
+  const double acceleration = (end_.rate[guard] - da) / (end_.time - begin_.time);
+  const bool opens = a <= threshold(guard);
+  if (opens ? !(da > 0 && a >= -threshold(guard)) : !(a > zero))
+    return false;
+  const double place = parabolaZero(opens ? 0 : a - zero, da, acceleration), time = begin_.time + place;
+  if (end_.value[guard] - zero >= 0)
+    return !(time < end_.time);
+  const double slope = da + acceleration * place;
+  if (!(time > begin_.time && time < end_.time && slope < 0))
+    return false;
+  if (first.guard < 0 || time < first.time)
+    first = {guard, time, begin_.time, end_.time, slope};
   return true;
 }
 
