@@ -45,21 +45,46 @@ bool Restitution::push(std::span<const double> force) {
 }
 
 // The root of w = a (velocity t + acceleration t²/2), without cancellation.
-double Restitution::workExhaustion(int i, double velocity, double acceleration) const {
-  const double discriminant = velocity * velocity + 2 * acceleration * work_[i] / rate_[i];
+double Restitution::workExhaustion(int i, double work, double velocity, double acceleration) const {
+  const double discriminant = velocity * velocity + 2 * acceleration * work / rate_[i];
   if (discriminant < 0)
     return infinity;
   const double slope = velocity + std::sqrt(discriminant);
-  return slope > 0 ? 2 * work_[i] / (rate_[i] * slope) : infinity;
+  return slope > 0 ? 2 * work / (rate_[i] * slope) : infinity;
+}
+
+double Restitution::exhaustion(int i, double impulse, double work, double velocity, double acceleration) const {
+  if (law_[i] == ImpactLaw::Stronge)
+    return workExhaustion(i, work, velocity, acceleration);
+  const double time = impulse / rate_[i];
+  return several_ ? std::min(time, workExhaustion(i, work, velocity, acceleration)) : time;
 }
 
 double Restitution::exhaustion(int i, double velocity, double acceleration) const {
-  if (compresses(velocity, acceleration) || !stored(i))
-    return infinity;
-  if (law_[i] == ImpactLaw::Stronge)
-    return workExhaustion(i, velocity, acceleration);
-  const double time = impulse_[i] / rate_[i];
-  return several_ ? std::min(time, workExhaustion(i, velocity, acceleration)) : time;
+  return compresses(velocity, acceleration) || !stored(i) ? infinity : exhaustion(i, impulse_[i], work_[i], velocity, acceleration);
+}
+
+// ∫ −a c2 dt, of Stronge's law with ε² where the contact compresses.
+double Restitution::workOf(int i, double velocity, double acceleration, double duration) const {
+  const double share = law_[i] == ImpactLaw::Stronge && compresses(velocity, acceleration) ? coefficient_[i] * coefficient_[i] : 1;
+  return -rate_[i] * share * (velocity * duration + 0.5 * acceleration * duration * duration);
+}
+
+double Restitution::exhaustionThroughZero(int i, double velocity, double acceleration) const {
+  const double turn = -velocity / acceleration;
+  if (velocity < 0 && acceleration > 0 && storesWork(i)) {
+    const double impulse = impulse_[i] + coefficient_[i] * rate_[i] * turn, work = work_[i] + workOf(i, velocity, acceleration, turn);
+    return turn + exhaustion(i, impulse, work, 0, acceleration);
+  }
+  const double time = exhaustion(i, velocity, acceleration);
+  return velocity > 0 && acceleration < 0 && time > turn ? infinity : time;
+}
+
+void Restitution::advanceThroughZero(int i, double velocity, double acceleration, double duration, bool exhausted) {
+  const double turn = velocity * acceleration < 0 ? -velocity / acceleration : duration;
+  advance(i, velocity, acceleration, std::min(turn, duration), exhausted && turn >= duration);
+  if (turn < duration)
+    advance(i, 0, acceleration, duration - turn, exhausted);
 }
 
 void Restitution::advance(int i, double velocity, double acceleration, double duration, bool exhausted) {
@@ -68,8 +93,7 @@ void Restitution::advance(int i, double velocity, double acceleration, double du
   const bool compressing = compresses(velocity, acceleration);
   if (!compressing && !stored(i))
     return;
-  const double share = law_[i] == ImpactLaw::Stronge && compressing ? coefficient_[i] * coefficient_[i] : 1;
-  const double work = -rate_[i] * share * (velocity * duration + 0.5 * acceleration * duration * duration);
+  const double work = workOf(i, velocity, acceleration, duration);
   work_[i] += work;
   workMagnitude_[i] += std::abs(work);
   if (law_[i] == ImpactLaw::Poisson) {

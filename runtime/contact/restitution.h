@@ -53,6 +53,9 @@ public:
   [[nodiscard]] double exhaustion(int i, double velocity, double acceleration) const;
   // A piece of such a path. `exhausted`: it ends where the contact has used up what it stores.
   void advance(int i, double velocity, double acceleration, double duration, bool exhausted);
+  // Both of a path that may cross zero.
+  [[nodiscard]] double exhaustionThroughZero(int i, double velocity, double acceleration) const;
+  void advanceThroughZero(int i, double velocity, double acceleration, double duration, bool exhausted);
   // Where nothing moves, or a cycle repeats: contacts that no longer approach, but for rounding(i), give up what they store and the target
   // that they push for in vain, and those that compress by rounding alone no longer do; `velocity` and `force` are of all contacts. `ends`:
   // nothing would end this; Poisson's push does by itself. False if there are no such contacts.
@@ -78,7 +81,9 @@ public:
 private:
   // Returns what the target was.
   double discard(int i);
-  [[nodiscard]] double workExhaustion(int i, double velocity, double acceleration) const;
+  [[nodiscard]] double workExhaustion(int i, double work, double velocity, double acceleration) const;
+  [[nodiscard]] double exhaustion(int i, double impulse, double work, double velocity, double acceleration) const;
+  [[nodiscard]] double workOf(int i, double velocity, double acceleration, double duration) const;
 
   std::vector<double> coefficient_, rate_, target_;
   std::vector<ImpactLaw> law_;

@@ -98,7 +98,7 @@ bool SpatialFrozenPhase::Workspace::poseStep(int forced, double &step, double ba
     updateAcceleration();
     double last = step;
     for (int i = 0; i < n; ++i)
-      last = std::min(last, restitution.exhaustion(i, velocity[i], acceleration[i]));
+      last = std::min(last, restitution.exhaustionThroughZero(i, velocity[i], acceleration[i]));
     if (!(last < step))
       break;
     step = last;
@@ -122,7 +122,7 @@ bool SpatialFrozenPhase::Workspace::stepOver(int forced, double step, double ban
     if (rests[i] && from[i] == 0)
       continue;  // held by others
     const double change = (velocity[i] - from[i]) / step;
-    restitution.advance(i, from[i], change, step, restitution.exhaustion(i, from[i], change) <= step);
+    restitution.advanceThroughZero(i, from[i], change, step, restitution.exhaustionThroughZero(i, from[i], change) <= step);
   }
   tau += step;
   return true;

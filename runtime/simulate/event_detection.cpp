@@ -339,22 +339,32 @@ void EventDetection::watchZeros(double factor) {
 // A zero of a gap, which has a rate, by Newton's method in the bracket; `x` is the first guess.
 void EventDetection::newtonZero(int guard, double zero, double x, DetectedEvent &event) {
   const int contact = dynamics_.guards()[guard].index;
+  constexpr double epsilon = std::numeric_limits<double>::epsilon();
+  // A low hop is only so many roundings of the gap high: its end is no better known than to these.
+  const double roundingOfGap = 8 * epsilon * dynamics_.guards()[guard].scale;
   // Times are rounded.
-  const double least = std::max(1e-12 * (event.high - event.low), 4 * std::numeric_limits<double>::epsilon() * std::abs(event.high));
+  const double least = std::max(1e-12 * (event.high - event.low), 4 * epsilon * std::abs(event.high));
   double a = event.low, b = event.high, previous = 0;
   for (int k = 0; k < 60; ++k) {
     const double value = guardInside(guard, x) - zero;
     event.slope = dynamics_.model().gapRate[contact];
     (value >= 0 ? a : b) = x;
     event.time = x;
+    const double accuracy = located * (x - event.low) + least;
     double next = x - value / event.slope;
     const bool isNewton = event.slope < 0 && next > a && next < b;
+    // The zero may be at x itself, which is an end of the bracket now.
+    if (!isNewton && event.slope < 0 && std::abs(next - x) <= least)
+      return;
     if (!isNewton)
       next = 0.5 * (a + b);
-    const double step = std::abs(next - x), accuracy = located * (x - event.low) + least;
+    const double step = std::abs(next - x);
     // Quadratic convergence: the step after this one would be step (step/previous)². Once it has come near, rounding of the values keeps
     // later steps from becoming shorter.
-    const bool isRounding = isNewton && previous > 0 && step >= 0.5 * previous && step <= 1e-8 * (event.high - event.low);
+    const bool isSlow = !isNewton || (previous > 0 && step >= 0.5 * previous);
+    if (k > 0 && isSlow && std::abs(value) <= roundingOfGap)
+      return;
+    const bool isRounding = isNewton && isSlow && step <= 1e-8 * (event.high - event.low);
     if (step <= accuracy || isRounding || (isNewton && step < 0.1 * previous && step * step * step <= accuracy * previous * previous)) {
       event.time = next;
       return;
@@ -446,7 +456,9 @@ void EventDetection::bracket(int guard, const Sample &low, const Sample &high, D
     const double tangent = high.time - atHigh / high.rate[guard];
     newtonZero(guard, zero, place > 0 ? low.time + place * h : std::max(tangent, 0.5 * (low.time + high.time)), event);
   }
-  if (!falls || (atLow <= 0 && !(event.slope < 0 && event.time - low.time > 1e-3 * (high.time - low.time))))
+  // A gap that rises at first has its other zero where it falls, however soon.
+  const double nearest = low.rate[guard] > 0 ? 1e-6 : 1e-3;
+  if (!falls || (atLow <= 0 && !(event.slope < 0 && event.time - low.time > nearest * (high.time - low.time))))
     illinoisZero(guard, zero, atLow, atHigh, event);
   if (first.guard < 0 || event.time < first.time)
     first = event;

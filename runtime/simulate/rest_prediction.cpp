@@ -295,9 +295,11 @@ void RestPrediction::stopTouching(std::vector<double> &state) {
   for (int j = 0; j < problem_.tangentCount; ++j)
     if (const int owner = problem_.owner[j]; owner >= 0 && touches_[owner] && stands_[problem_.normalCount + j])
       moving.push_back(problem_.normalCount + j);
-  const Eigen::Map<const Eigen::VectorXd> velocity(problem_.velocity.data(), problem_.count());
+  Eigen::VectorXd stops(static_cast<Eigen::Index>(moving.size()));
+  for (std::size_t k = 0; k < moving.size(); ++k)
+    stops[static_cast<Eigen::Index>(k)] = -problem_.velocity[static_cast<std::size_t>(moving[k])];
   const Eigen::MatrixXd D = problem_.delassus.map()(moving, moving);
-  const Eigen::VectorXd impulse = D.completeOrthogonalDecomposition().solve(-velocity(moving));
+  const Eigen::VectorXd impulse = D.completeOrthogonalDecomposition().solve(stops);
   std::vector<double> impulses(problem_.count(), 0.0);
   for (std::size_t k = 0; k < moving.size(); ++k)
     impulses[moving[k]] = impulse(static_cast<Eigen::Index>(k));

@@ -33,6 +33,9 @@ Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instan
       largest_(matrix_) {
   for (std::size_t k = 0; k < columns.size(); ++k)
     columns_[k].variable = columns[k];
+  hops_.resize(static_cast<std::size_t>(dynamics.model().model().nc));
+  for (Hop &hop : hops_)
+    hop.change = hop.rateChange = eventTime_;
   const auto full = static_cast<Eigen::Index>(dynamics.size());
   slopes_.assign(damped_.nodes().size(), Eigen::MatrixXd(n_, n_));
   offsets_.assign(damped_.nodes().size(), matrix_);
@@ -105,6 +108,9 @@ void Sensitivities::start(double time) {
     makeColumn(column, time);
   eventTime_.setZero();
   lastEventTime_ = eventTime_;
+  for (Hop &hop : hops_)
+    hop.begins = hop.isFollowed = false;
+  eventsSinceStep_ = 0;
   jump_.resize(0, 0);
   largest_.setZero();
   piece_ = 0;
@@ -323,8 +329,11 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double e
   if (!(end > begin) || columns_.empty() || n_ == 0)
     return true;
   held_ = held;
+  followHopsFrom(integrator, begin);
   const bool isKnown = addPieces(integrator, begin, end) && holdRows(integrator, end);
-  if (!isKnown)
+  if (isKnown)
+    followHopsTo(integrator, end, end - begin);
+  else
     matrix_.setConstant(std::numeric_limits<double>::quiet_NaN());
   dynamics_.holdDirections(0);
   return isKnown;
@@ -430,6 +439,10 @@ bool Sensitivities::differentiateGap(double time, const double *state, int conta
   slope = at.gapRate[contact];
   if (!(std::abs(slope) > 1e-11 * at.scales.gapRate(contact, state + nq)))
     return false;
+  if (const Hop &hop = hops_[static_cast<std::size_t>(contact)]; hop.isFollowed && eventsSinceStep_ == 0) {
+    change = hop.change;
+    return change.allFinite();
+  }
   std::vector<std::uint8_t> mask(static_cast<std::size_t>(at.model().nc + at.model().nf), 0);
   mask[static_cast<std::size_t>(contact)] = 1;
   at.contactTerms(mask.data());
@@ -471,6 +484,7 @@ bool Sensitivities::eventTimes(double time, const double *state, const double *r
 
 EventDerivative Sensitivities::beginEvent(double time, const double *state, const double *rate, const std::vector<int> &guards) {
   eventTime_.setZero();
+  landings_.clear();
   for (std::size_t k = 0; k < guards.size(); ++k) {
     Eigen::VectorXd times = eventTime_;
     if (!eventTimes(time, state, rate, guards[k], times))
@@ -480,6 +494,8 @@ EventDerivative Sensitivities::beginEvent(double time, const double *state, cons
       return EventDerivative::Parts;
     if (k == 0)
       eventTime_ = times;
+    if (const Guard &guard = dynamics_.guards()[guards[k]]; guard.kind == GuardKind::Gap)
+      landings_.push_back(guard.index);
   }
   matrix_ += Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
   return EventDerivative::Exists;
@@ -629,19 +645,34 @@ void Sensitivities::endEvent(const double *rate) {
   matrix_ -= Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
   lastEventTime_ = eventTime_;
   eventTime_.setZero();
+  ++eventsSinceStep_;
+  for (const int contact : landings_)
+    hops_[static_cast<std::size_t>(contact)].begins = true;
+  landings_.clear();
 }
 
 void Sensitivities::reopenEvent(const double *rate) {
   eventTime_ = lastEventTime_;
+  --eventsSinceStep_;
   matrix_ += Eigen::Map<const Eigen::VectorXd>(rate, n_) * eventTime_.transpose();
 }
 
-std::size_t Sensitivities::numberCount() const { return static_cast<std::size_t>(2 * matrix_.size() + lastEventTime_.size()) + 1; }
+std::size_t Sensitivities::numberCount() const {
+  const auto columns = static_cast<std::size_t>(lastEventTime_.size());
+  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (columns + 3) + 2;
+}
 
 void Sensitivities::write(double *numbers) const {
-  numbers = std::copy_n(matrix_.data(), matrix_.size(), numbers);
-  numbers = std::copy_n(largest_.data(), largest_.size(), numbers);
-  numbers = std::copy_n(lastEventTime_.data(), lastEventTime_.size(), numbers);
+  const auto give = [&numbers](const auto &values) { numbers = std::copy_n(values.data(), values.size(), numbers); };
+  give(matrix_);
+  give(largest_);
+  give(lastEventTime_);
+  for (const Hop &hop : hops_) {
+    give(hop.change);
+    for (const double number : {hop.begins ? 1.0 : 0.0, hop.isFollowed ? 1.0 : 0.0, hop.rate})
+      *numbers++ = number;
+  }
+  *numbers++ = eventsSinceStep_;
   *numbers = piece_;
 }
 
@@ -653,6 +684,13 @@ void Sensitivities::read(const double *numbers) {
   take(matrix_);
   take(largest_);
   take(lastEventTime_);
+  for (Hop &hop : hops_) {
+    take(hop.change);
+    hop.begins = *numbers++ != 0;
+    hop.isFollowed = *numbers++ != 0;
+    hop.rate = *numbers++;
+  }
+  eventsSinceStep_ = static_cast<int>(*numbers++);
   piece_ = *numbers;
   eventTime_.setZero();
   jump_.resize(0, 0);

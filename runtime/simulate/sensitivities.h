@@ -121,6 +121,18 @@ private:
   [[nodiscard]] bool movesState() const { return slips_.size() > 0 || dynamics_.hasRedundantRows(); }
   bool differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);
   void fixSlips(double time, const double *state);
+  // sensitivities_of_hops.cpp
+  bool differentiateRate(double time, const double *state, int contact, Eigen::VectorXd &change);
+  void followHopsFrom(SmoothIntegrator &integrator, double time);
+  void followHopsTo(SmoothIntegrator &integrator, double time, double length);
+
+  // A contact's hop so low that the derivative of its gap, a difference of positions, would be rounding: the integral of that of its rate
+  // since it left the ground.
+  struct Hop {
+    bool begins = false, isFollowed = false;
+    double rate = 0;                     // of the gap, at the end of the last step
+    Eigen::VectorXd change, rateChange;  // ∂gap/∂θ there, and of the rate at its begin
+  };
 
   ModeDynamics &dynamics_;
   const ModelInstance &instance_;
@@ -132,6 +144,10 @@ private:
   Eigen::MatrixXd jump_;                      // n × columns: derivative for growing θ less that for falling θ
   Eigen::VectorXd eventTime_;                 // δt of each column
   Eigen::VectorXd lastEventTime_;             // of the event that ended last
+  std::vector<Hop> hops_;                     // of each contact
+  std::vector<double> hopState_;
+  std::vector<int> landings_;  // contacts of the event that has begun
+  int eventsSinceStep_ = 0;
   std::vector<double> state_, rate_, samples_;
   double held_ = 0;                 // of addStep
   std::vector<double> refinement_;  // of each column's differences of a map

@@ -31,6 +31,48 @@ end SlowImpact;
     }
 }
 
+// Of two balls on a rod one rolls and the other bounces, ever more slowly, until its speed is no more than what slips are told from zero
+// by: no bounce may be higher than the one before it.
+TEST(Impacts, BesideARollingBallDecayToTheirEnd) {
+  const std::string file = sourceFile("balls_on_a_rod.tf", R"(
+model BallsOnARod
+  parameter Real m = 0.5, r = 0.1, l = 0.3, spin = -6, mu = 0.3, e = 0.5;
+  coordinate Real p[3](start = {0, 0, 0.5}, der(start = {1, 0.4, 0}));
+  coordinate Real q[3](start = {l, 0, 0.5}, der(start = {1, -0.6, 0.3}, fixed = {false, true, true}));
+  coordinate Rotation P(w(start = {4, spin, 12})), Q(w(start = {-2, 3, 1}));
+  Real w[3] = P*P.w, z[3] = Q*Q.w;
+  body ball(mass = m, position = p, orientation = P, inertia = 0.4*m*r^2*identity(3));
+  body other(mass = 2*m, position = q, orientation = Q, inertia = 0.8*m*r^2*diagonal({1, 1.2, 0.9}));
+  constraint rod(residual = ((p - q)*(p - q) - l^2)/(2*l));
+  gravity weight(acceleration = {0, 0, -9.81});
+  contact a(gap = p[3] - r, slip = {der(p[1]) - r*w[2], der(p[2]) + r*w[1]}, friction = mu, restitution = e);
+  contact b(gap = q[3] - r, slip = {der(q[1]) - r*z[2], der(q[2]) + r*z[1]}, friction = mu, restitution = e);
+end BallsOnARod;
+)");
+  struct Bounces {
+    int count = 0, place = 0;
+    double worst = 0;  // part of the speed before that is left behind it
+  };
+  for (const double tolerance : {1e-9, 1e-12, 1e-13})
+    for (const double spin : {-6.0, -5.7, -5.5, -4.9}) {
+      CompiledModel model(file, {{"spin", spin}});
+      Bounces bounces;
+      bounces.place = model.model().nq + 5;  // der(q[3])
+      const auto note = [](void *data, const tf_event *event) {
+        auto &all = *static_cast<Bounces *>(data);
+        ++all.count;
+        if (event->kind == TF_EVENT_IMPACT && event->element == 1)
+          all.worst = std::max(all.worst, event->after[all.place] / -event->before[all.place]);
+      };
+      ASSERT_EQ(tf_set_event_callback(model.simulation(), note, &bounces), TF_OK);
+      model.tolerance(tolerance).run(0.9);
+      EXPECT_LT(bounces.count, 200) << tolerance << ' ' << spin;
+      EXPECT_GT(bounces.worst, 0.49) << tolerance << ' ' << spin;
+      EXPECT_LT(bounces.worst, 0.51) << tolerance << ' ' << spin;
+      EXPECT_NEAR(model["q[3]"], 0.1, 1e-12) << tolerance << ' ' << spin;
+    }
+}
+
 // What slides slowly, with or without friction, is not what an impact elsewhere has shaken, whatever the tolerance is.
 TEST(Impacts, LeaveSlowSlipsAsTheyAre) {
   const std::string file = sourceFile("creepers.tf", R"(

@@ -293,7 +293,6 @@ end Spring;
   }
 }
 
-// Each rod is stretched twice a turn, where its share of the load, which is the least one, grows beyond all bounds.
 // Steps of the stabilised method do not resolve the stretch of the spring inside them, nor its rate, which the damper takes to a power.
 TEST(Energies, OfAStiffDamperAtLooseTolerances) {
   const std::string file = sourceFile("stiff_damper.tf", R"(
@@ -320,6 +319,7 @@ end StiffDamper;
       EXPECT_NEAR(workAt(tolerance, integrator), reference, 10 * tolerance) << integrator << ", " << tolerance;
 }
 
+// Each rod is stretched twice a turn, where its share of the load, which is the least one, grows beyond all bounds.
 TEST(Energies, OfRedundantConstraintsThatAreStretched) {
   const std::string file = sourceFile("coupled_wheels.tf", R"(
 model CoupledWheels "two wheels with a rod on each side, cranks at right angles"

@@ -300,6 +300,36 @@ TEST(FrozenRestitution, NewtonsTargetsThatOtherContactsMakeImpossibleAreGivenUp)
   EXPECT_GT(givenUp, 5);
 }
 
+// A step that takes a contact from its compression into its restitution, or back, is as two steps that meet where its velocity is zero.
+TEST(Restitution, ThroughZeroIsThatOfBothParts) {
+  const auto started = [](ImpactLaw law) {
+    Restitution restitution;
+    const double coefficient = 0.6, rate = 1.5, velocity = -3;
+    restitution.begin({&coefficient, 1}, {&law, 1}, {&rate, 1}, {&velocity, 1});
+    return restitution;
+  };
+  constexpr double v = -3, a = 2, turn = 1.5;
+  for (const ImpactLaw law : {ImpactLaw::Poisson, ImpactLaw::Stronge}) {
+    Restitution parts = started(law), whole = parts;
+    parts.advance(0, v, a, turn, false);
+    const double left = parts.exhaustion(0, 0, a);
+    EXPECT_NEAR(left, 0.6 * turn, 1e-14);
+    EXPECT_NEAR(whole.exhaustionThroughZero(0, v, a), turn + left, 1e-14);
+    parts.advance(0, 0, a, 0.5 * left, false);
+    whole.advanceThroughZero(0, v, a, turn + 0.5 * left, false);
+    EXPECT_NEAR(whole.impulse(0), parts.impulse(0), 1e-14);
+    EXPECT_NEAR(whole.work(0), parts.work(0), 1e-14);
+    // Back again: what is left outlasts the way up.
+    const double up = a * 0.5 * left, down = -100;
+    EXPECT_EQ(whole.exhaustionThroughZero(0, up, down), infinity);
+    parts.advance(0, up, down, -up / down, false);
+    parts.advance(0, 0, down, 0.1, false);
+    whole.advanceThroughZero(0, up, down, -up / down + 0.1, false);
+    EXPECT_NEAR(whole.impulse(0), parts.impulse(0), 1e-13);
+    EXPECT_NEAR(whole.work(0), parts.work(0), 1e-13);
+  }
+}
+
 TEST(FrozenRestitution, ClosingWallsAreAnError) {
   for (const ImpactLaw law : allLaws) {
     FrozenProblem problem;
