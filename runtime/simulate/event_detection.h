@@ -64,9 +64,9 @@ public:
   // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed or a force has fallen to zero before the event,
   // which the interpolant had in another order; the event is then that guard's, still to be located.
   bool findEarlier(DetectedEvent &event);
-  // The projection of the end onto what the mode holds moves the gap that ends the step off its zero: true if the end has been moved on
-  // along its rate to there, to be projected again.
-  bool returnToGap(int guard);
+  // The projection of the end onto what the mode holds moves the gap or slip that ends the step off its zero: true if the end has been
+  // moved on along its rate to there, to be projected again.
+  bool returnToZero(const DetectedEvent &event);
 
 private:
   struct Sample {

@@ -126,14 +126,14 @@ bool EventDetection::findEarlier(DetectedEvent &event) {
   return true;
 }
 
-bool EventDetection::returnToGap(int guard) {
-  constexpr double visible = 1e-12, farthest = 1e-4;  // of the gap's scale, of the step
-  const Guard &g = dynamics_.guards()[guard];
-  if (g.kind != GuardKind::Gap || !dynamics_.needsProjection())
+bool EventDetection::returnToZero(const DetectedEvent &event) {
+  constexpr double visible = 1e-12, farthest = 1e-4;  // of the guard's scale, of the step
+  const Guard &g = dynamics_.guards()[event.guard];
+  if ((g.kind != GuardKind::Gap && g.kind != GuardKind::Slip) || !dynamics_.needsProjection())
     return false;
   const double end = integrator_->endTime();
-  const double value = guardAt(guard, end, integrator_->end()) - level(guard);
-  const double slope = dynamics_.model().gapRate[g.index], duration = -value / slope;
+  const double value = guardAt(event.guard, end, integrator_->end()) - level(event.guard);
+  const double slope = g.kind == GuardKind::Gap ? dynamics_.model().gapRate[g.index] : event.slope, duration = -value / slope;
   if (!(slope < 0) || std::abs(value) <= visible * g.scale || !(std::abs(duration) <= farthest * (end - integrator_->beginTime())))
     return false;
   for (int i = 0; i < dynamics_.size(); ++i)

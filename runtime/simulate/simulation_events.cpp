@@ -233,9 +233,9 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     dynamics_.projectStop(integrator.endTime(), integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
   else if (const tf_status status = projectEnd(); status != TF_OK)
     return status;
-  // Each time the projection moves the gap by less, by orders of magnitude.
+  // Each time the projection moves the guard by less, by orders of magnitude.
   constexpr int mostReturns = 3;
-  for (int pass = 0; pass < mostReturns && !stops && detection_.returnToGap(event.guard); ++pass)
+  for (int pass = 0; pass < mostReturns && !stops && detection_.returnToZero(event); ++pass)
     if (const tf_status status = projectEnd(); status != TF_OK)
       return status;
   if (stops && sensitivities_)

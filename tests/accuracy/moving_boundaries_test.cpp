@@ -1,4 +1,5 @@
 // Boundaries whose motion switches with time: gaps, slips and constraints have the side that time goes to, from the start on.
+#include "tests/accuracy/each_integrator.h"
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
@@ -235,6 +236,32 @@ end Drum;
         EXPECT_NEAR(model[name], best[name], 10 * tolerance) << name;
       EXPECT_GE(tf_get_statistics(model.simulation())->worst_gap, -1e-10);
     }
+}
+
+// A cylinder slides in a half pipe on a cart: what keeps it on the curve after a step moves its slip as well, whose zero is one event at
+// any tolerance, with no reversal before the stick.
+TEST(MovingBoundaries, SlipsOnACurveStopOnce) {
+  const std::string file = sourceFile("half_pipe.tf", R"(
+model HalfPipe
+  parameter Real m = 0.5, r = 0.1, R = 0.6, mu = 0.2, M = 2, L = 1;
+  coordinate Real x(start = 0.35), y(start = -sqrt((R - r)^2 - 0.35^2), fixed = true, der(fixed = true)), f(der(start = 10));
+  coordinate Real s(start = 0), th(start = 0.3);
+  Real d[2] = {x - s, y};
+  Real l = sqrt(d*d);
+  Real n[2] = -d/l, t[2] = {-n[2], n[1]};
+  body cylinder(mass = m, position = {x, y}, angle = f, inertia = m*r^2/2);
+  body cart(mass = M, position = {s, 0});
+  body bob(mass = 0.7, position = {s + L*sin(th), -L*cos(th)});
+  gravity weight(acceleration = {0, -9.81});
+  friction rail(slip = der(s), bound = 0.5);
+  contact wall(gap = R - r - l, slip = (der(x) - der(s))*t[1] + der(y)*t[2] - r*der(f), friction = mu);
+end HalfPipe;
+)");
+  for (const double tolerance : {1e-3, 1e-4, 1e-5, 1e-7, 1e-9})
+    withEachIntegrator(file, tolerance, 3, [](CompiledModel &model) {
+      EXPECT_EQ(model.events().size(), 11);
+      EXPECT_EQ(model.count(TF_EVENT_SLIP_REVERSAL), 4);
+    });
 }
 
 }  // namespace
