@@ -129,9 +129,12 @@ bool EventDetection::findEarlier(DetectedEvent &event) {
 bool EventDetection::returnToZero(const DetectedEvent &event) {
   constexpr double visible = 1e-12, farthest = 1e-4;  // of the guard's scale, of the step
   const Guard &g = dynamics_.guards()[event.guard];
-  if ((g.kind != GuardKind::Gap && g.kind != GuardKind::Slip) || !dynamics_.needsProjection())
+  if (g.kind != GuardKind::Gap && g.kind != GuardKind::Slip)
     return false;
-  const double end = integrator_->endTime();
+  const double end = integrator_->endTime(), resolution = 4 * std::numeric_limits<double>::epsilon() * std::abs(end);
+  // Late times are so coarse that the zero lies between two of them, clearly off both.
+  if (!dynamics_.needsProjection() && resolution * std::abs(event.slope) <= visible * g.scale)
+    return false;
   const double value = guardAt(event.guard, end, integrator_->end()) - level(event.guard);
   const double slope = g.kind == GuardKind::Gap ? dynamics_.model().gapRate[g.index] : event.slope, duration = -value / slope;
   if (!(slope < 0) || std::abs(value) <= visible * g.scale || !(std::abs(duration) <= farthest * (end - integrator_->beginTime())))

@@ -95,6 +95,7 @@ private:
   [[nodiscard]] std::vector<double> extrapolatedDerivatives(std::size_t predictions, int columns) const;
   bool derivativesAgree(double tolerance, int columns);
   [[nodiscard]] bool isSlow() const;
+  [[nodiscard]] double timeByRounding(const std::vector<Approach> &approaches) const;
   [[nodiscard]] double timeScale() const;
   bool nothingElseHappens();
 
