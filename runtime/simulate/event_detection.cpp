@@ -71,8 +71,13 @@ double EventDetection::threshold(int guard) const {
 }
 
 // Where a hop begins and ends: zero, but for a gap that starts clearly below it.
-double EventDetection::hopBase(int guard) const {
-  return starts_[guard].value < -rounding * dynamics_.guards()[guard].scale ? starts_[guard].value : 0;
+double EventDetection::hopBase(int guard) const { return starts_[guard].value < -starts_[guard].rounding ? starts_[guard].value : 0; }
+
+// What a gap differs from zero by where it is zero; `farthest` as of ContactScales. 0 for other guards.
+double EventDetection::roundingOf(int guard, double farthest) const {
+  const Guard &g = dynamics_.guards()[guard];
+  const ModelEvaluation &model = dynamics_.model();
+  return g.kind == GuardKind::Gap ? rounding * std::max(g.scale, model.scales.gap(g.index, model.coordinates(), farthest)) : 0;
 }
 
 // The value below which the guard has ended the mode: one that starts at zero, or below it by the integrator's error, must fall further.
@@ -93,7 +98,7 @@ double EventDetection::level(int guard) const {
 // a ballistic hop) shows it all the same. Of higher hops the gap is the more exact one.
 double EventDetection::hop(int guard, double time, double gap, double rate) const {
   const Start &start = starts_[guard];
-  const double lowest = rounding * dynamics_.guards()[guard].scale, base = hopBase(guard);
+  const double lowest = start.rounding, base = hopBase(guard);
   if (!startsToRounding_ || start.value > lowest || std::abs(gap - base) > lowest)
     return gap;
   const double duration = time - start.time, integral = 0.5 * duration * (start.rate + rate);
@@ -232,13 +237,14 @@ void EventDetection::readStarts(double time, double partOfRounding) {
     readGuards(time, begin_);
   } while (!isCurrent());
   for (const int k : held_)
-    starts_[k] = {Arming::Not, time, dynamics_.guardValue(k), 0};
+    starts_[k] = {Arming::Not, time, dynamics_.guardValue(k), 0, 0};
+  const double farthest = dynamics_.model().scales.farthest(dynamics_.model().coordinates());
   // A gap that opens at a speed needs no distance to be taken for open.
   for (const int k : awake_) {
     const double least = threshold(k);
     const bool opens = dynamics_.guards()[k].kind == GuardKind::Gap && opensAtSpeed(k, partOfRounding);
     const Arming armed = begin_.value[k] > least ? Arming::ByValue : opens ? Arming::BySpeed : Arming::Not;
-    starts_[k] = {armed, time, begin_.value[k], begin_.rate[k]};
+    starts_[k] = {armed, time, begin_.value[k], begin_.rate[k], roundingOf(k, farthest)};
   }
 }
 

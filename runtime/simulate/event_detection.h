@@ -122,6 +122,7 @@ private:
   double hop(int guard, double time, double gap, double rate) const;
   double level(int guard) const;
   double hopBase(int guard) const;
+  [[nodiscard]] double roundingOf(int guard, double farthest) const;
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
   double guardHere(int guard, double time);
@@ -162,9 +163,10 @@ private:
   struct Start {
     Arming armed = Arming::Not;
     double time = 0, value = 0, rate = 0;
+    double rounding = 0;  // that a gap is known to, where the coordinates are now
   };
   // Of a gap that was asleep before.
-  [[nodiscard]] static Start openStart(double time) { return {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0}; }
+  [[nodiscard]] static Start openStart(double time) { return {Arming::ByValue, time, std::numeric_limits<double>::infinity(), 0, 0}; }
   // The guard has been clearly positive, at a time of the step.
   void arm(int guard);
   // By the last search, in a step at whose begin it was not.

@@ -132,12 +132,19 @@ bool EventDetection::returnToZero(const DetectedEvent &event) {
   if (g.kind != GuardKind::Gap && g.kind != GuardKind::Slip)
     return false;
   const double end = integrator_->endTime(), resolution = 4 * std::numeric_limits<double>::epsilon() * std::abs(end);
+  // The interpolant has no slope to tell where its zero was found at once.
+  double slope = event.slope;
+  if (g.kind == GuardKind::Slip && !(slope < 0) && dynamics_.evaluate(end, integrator_->end(), integrator_->endRate()))
+    slope = dynamics_.slipRate(event.guard);
   // Late times are so coarse that the zero lies between two of them, clearly off both.
-  if (!dynamics_.needsProjection() && resolution * std::abs(event.slope) <= visible * g.scale)
+  if (!dynamics_.needsProjection() && resolution * std::abs(slope) <= visible * g.scale)
     return false;
   const double value = guardAt(event.guard, end, integrator_->end()) - level(event.guard);
-  const double slope = g.kind == GuardKind::Gap ? dynamics_.model().gapRate[g.index] : event.slope, duration = -value / slope;
-  if (!(slope < 0) || std::abs(value) <= visible * g.scale || !(std::abs(duration) <= farthest * (end - integrator_->beginTime())))
+  if (g.kind == GuardKind::Gap)
+    slope = dynamics_.model().gapRate[g.index];
+  const double duration = -value / slope;
+  if (!(slope < 0) || std::abs(value) <= visible * g.scale ||
+      !(std::abs(duration) <= std::max(farthest * (end - integrator_->beginTime()), resolution)))
     return false;
   for (int i = 0; i < dynamics_.size(); ++i)
     integrator_->end()[i] += duration * integrator_->endRate()[i];

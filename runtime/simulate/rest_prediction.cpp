@@ -564,16 +564,17 @@ bool RestPrediction::nothingElseHappens() {
   return true;
 }
 
-// What the duration of a bounce is wrong by, at both of its ends, because gaps are no better than the coordinates that they are differences of.
+// What the duration of a bounce is wrong by, at both of its ends, because gaps are no better than the coordinates that they are differences
+// of.
 double RestPrediction::timeByRounding(const std::vector<Approach> &approaches) const {
   constexpr double largest = 1e-12;
   const double *coordinates = at_.coordinates(), farthest = at_.scales.farthest(coordinates);
   double longest = 0;
   for (const auto &[contact, speed] : approaches)
     if (speed > 0)
-      longest = std::max(longest, std::min(std::numeric_limits<double>::epsilon() * farthest,
-                                           largest * at_.scales.gap(contact, coordinates, farthest)) /
-                                      speed);
+      longest = std::max(
+          longest,
+          std::min(std::numeric_limits<double>::epsilon() * farthest, largest * at_.scales.gap(contact, coordinates, farthest)) / speed);
   return 2 * longest;
 }
 
@@ -607,8 +608,7 @@ const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Appr
   // Times and gaps are resolved to rounding, and speeds with them: those of so many impacts as are about the size of those that come add up
   // like a random walk, and the time that is left is their number times that between two.
   const double number = prediction.remaining / (time - previousImpact);
-  const double resolved =
-      number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), coarseness / timeScale());
+  const double resolved = number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), coarseness / timeScale());
   add(std::move(prediction));
   if (!extrapolate(std::max(tolerance, resolved), scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())
     return nullptr;

@@ -460,6 +460,58 @@ end LivelyBall;
     }
 }
 
+// A ball bounces down a ramp, ever farther: what its gap is rounded to is far more than near the origin, whatever the tolerance asks for.
+TEST(AccumulatingImpacts, FarFromTheOriginAreSummedAsWellAsGapsAreKnown) {
+  const std::string ramp = sourceFile("ball_on_a_ramp.tf", R"(
+model BallOnARamp
+  parameter Real e = 0.97, slope = 0.5;
+  coordinate Real x, y(start = 1);
+  body b(mass = 1, position = {x, y});
+  gravity w(acceleration = {0, -9.81});
+  contact c(gap = sin(slope)*x + cos(slope)*y, restitution = e);
+end BallOnARamp;
+)");
+  struct Case {
+    double e, slope;
+  };
+  for (const auto &[e, slope] : {Case{0.97, 0.7}, Case{0.99, 0.3}, Case{0.8, 1.1}})
+    for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT})
+      for (const double tolerance : {1e-6, 1e-8, 1e-10, 1e-12}) {
+        CompiledModel model(ramp, {{"e", e}, {"slope", slope}});
+        const double a = 9.81 * std::cos(slope), first = std::sqrt(2 * std::cos(slope) / a), rest = first * (1 + e) / (1 - e);
+        model.tolerance(tolerance).integrator(integrator).run(1.2 * rest);
+        EXPECT_EQ(model.count(TF_EVENT_REST), 1) << integrator << ' ' << tolerance << ' ' << e;
+        EXPECT_NEAR(model.eventTime(TF_EVENT_REST), rest, std::max(tolerance, 1e-8) * rest) << integrator << ' ' << tolerance << ' ' << e;
+      }
+}
+
+// Gaps that contain the time, of a plane that moves as far as the ball: rounding of the gap does not end what has just begun to open.
+TEST(AccumulatingImpacts, FarFromTheOriginGoOn) {
+  const std::string file = sourceFile("ball_on_a_lift.tf", R"(
+model BallOnALift
+  parameter Real e = 0.99, slope = 1.25, A = 0, v = 0;
+  coordinate Real x, y;
+  body b(mass = 1, position = {x, y});
+  gravity w(acceleration = {0, -9.81});
+  contact c(gap = -sin(slope)*x + cos(slope)*y + 1 - v*time - A*time^2/2, restitution = e);
+end BallOnALift;
+)");
+  struct Case {
+    double e, slope, A, v;
+  };
+  for (const auto &[e, slope, A, v] : {Case{0.99, 1.25, 0, 0}, Case{0.98, 0.26, -5, -1}, Case{0.99, 0, 0, 5}})
+    for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT})
+      for (const double tolerance : {1e-6, 1e-9, 1e-12}) {
+        CompiledModel model(file, {{"e", e}, {"slope", slope}, {"A", A}, {"v", v}});
+        // Relative to the plane: 1 − v t − a t²/2, then hops of 2 e^k w/a.
+        const double a = 9.81 * std::cos(slope) + A, w = std::sqrt(v * v + 2 * a), first = (w - v) / a;
+        const double rest = first + 2 * e * w / (a * (1 - e));
+        model.tolerance(tolerance).integrator(integrator).run(1.2 * rest);
+        EXPECT_NEAR(model.eventTime(TF_EVENT_REST), rest, std::max(tolerance, 1e-6) * rest)
+            << integrator << ' ' << tolerance << ' ' << slope;
+      }
+}
+
 // A wheel hops as often as the lever on its axle knocks on the floor; between two hops it rolls. Their accumulation is followed to its end
 // by all integrators, among them CVODE, of whose errors hops without end would consist.
 TEST(Impacts, HopsWithRollingInBetweenAccumulate) {

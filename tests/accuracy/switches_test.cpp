@@ -206,5 +206,32 @@ TEST(Switches, WithoutEndInASuperTwistingControllerAreNamed) {
       }
 }
 
+// Where times are so coarse that within the least of them a slip changes by more than what counts as zero, it stops all the same.
+TEST(LateStops, AreOneEvent) {
+  struct Case {
+    double mass, bound, speed, begin;
+  };
+  const std::string file = sourceFile("late_stop.tf", R"(
+model LateStop
+  parameter Real m = 1, b = 3, v = 10;
+  coordinate Real x(der(start = v));
+  body slider(mass = m, position = x);
+  friction f(slip = der(x), bound = b);
+end LateStop;
+)");
+  for (const auto &[mass, bound, speed, begin] : {Case{1, 3, 10, 1e5}, Case{1e-6, 0.01, 1, 99}, Case{1, 1e3, 1, 1e3}, Case{1, 1e6, 1, 10}})
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-4, 1e-9}) {
+        const double duration = speed * mass / bound;
+        CompiledModel model(file, {{"m", mass}, {"b", bound}, {"v", speed}});
+        model.tolerance(tolerance).integrator(integrator).initialise(begin);
+        model.advance(begin + 2 * duration);
+        EXPECT_EQ(model.events().size(), 1) << integrator << ' ' << begin;
+        EXPECT_EQ(model.count(TF_EVENT_STICK), 1) << integrator << ' ' << begin;
+        EXPECT_EQ(model["der(x)"], 0) << integrator << ' ' << begin;
+        EXPECT_NEAR(model["x"], 0.5 * speed * duration, 10 * tolerance + 4e-16 * begin * speed) << integrator << ' ' << begin;
+      }
+}
+
 }  // namespace
 }  // namespace tf::test
