@@ -680,7 +680,7 @@ void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
     const double equal = i < count ? begin_.time + static_cast<double>(i) * (h / static_cast<double>(count)) : end_.time;
     const double time = isUniform ? nextUniformSample(a->time) : equal;
     const Sample *b = &end_;
-    // Too near to tell apart: there are no rates to speak of.
+    // Rates beyond all measure leave no time between two samples.
     if (time > a->time && time < end_.time) {
       Sample &inner = inner_[static_cast<std::size_t>(i % 3)];
       if (!sampleInside(time, withForces, inner))

@@ -109,7 +109,7 @@ void Sensitivities::start(double time) {
   eventTime_.setZero();
   lastEventTime_ = eventTime_;
   for (Hop &hop : hops_)
-    hop.begins = hop.isFollowed = false;
+    hop = {false, false, 0, eventTime_, eventTime_};
   eventsSinceStep_ = 0;
   jump_.resize(0, 0);
   largest_.setZero();
