@@ -113,11 +113,7 @@ private:
   void examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first);
   void examineForces(const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
   void examineDip(int guard, const Sample &a, const Sample &middle, const Sample &b, DetectedEvent &first);
-  bool fallsLater(int guard, const DetectedEvent &first);
   void examineHeld(DetectedEvent &first);
-  void bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first);
-  void newtonZero(int guard, double zero, double x, DetectedEvent &event);
-  void illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event);
   double threshold(int guard) const;
   double hop(int guard, double time, double gap, double rate) const;
   double level(int guard) const;
@@ -126,6 +122,11 @@ private:
   double guardAt(int guard, double time, const double *state);
   double guardInside(int guard, double time);
   double guardHere(int guard, double time);
+  // event_bracketing.cpp
+  bool fallsLater(int guard, const DetectedEvent &first);
+  void bracket(int guard, const Sample &low, const Sample &high, DetectedEvent &first);
+  void newtonZero(int guard, double zero, double x, DetectedEvent &event);
+  void illinoisZero(int guard, double zero, double lowValue, double highValue, DetectedEvent &event);
   // event_screening.cpp
   [[nodiscard]] bool isFar(int guard) const;
   [[nodiscard]] bool isSteady(int guard) const;

@@ -1,4 +1,5 @@
 // Where the next event is expected: a step that ends right behind it need not be solved a second time to end at it.
+#include "runtime/contact/numbers.h"
 #include "runtime/simulate/event_detection.h"
 #include "runtime/simulate/parabola_zero.h"
 
@@ -9,7 +10,6 @@ namespace tf::runtime {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Parts of a step that the expected zero may be missed by: the integrator's reach covers it on both sides of the step's end.
 constexpr double margin = 0.5;
 

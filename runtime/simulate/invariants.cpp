@@ -1,13 +1,13 @@
 #include "runtime/simulate/invariants.h"
 
+#include "runtime/contact/numbers.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace tf::runtime {
 
 void Invariants::start() {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   gap_ = normalForce_ = {infinity, 0, -1};
   constraint_ = energy_ = {};
   largestNormalForce_ = 0;

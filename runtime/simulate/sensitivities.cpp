@@ -659,7 +659,7 @@ void Sensitivities::reopenEvent(const double *rate) {
 
 std::size_t Sensitivities::numberCount() const {
   const auto columns = static_cast<std::size_t>(lastEventTime_.size());
-  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (columns + 3) + 2;
+  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (2 * columns + 3) + 2;
 }
 
 void Sensitivities::write(double *numbers) const {
@@ -669,6 +669,7 @@ void Sensitivities::write(double *numbers) const {
   give(lastEventTime_);
   for (const Hop &hop : hops_) {
     give(hop.change);
+    give(hop.rateChange);
     for (const double number : {hop.begins ? 1.0 : 0.0, hop.isFollowed ? 1.0 : 0.0, hop.rate})
       *numbers++ = number;
   }
@@ -686,6 +687,7 @@ void Sensitivities::read(const double *numbers) {
   take(lastEventTime_);
   for (Hop &hop : hops_) {
     take(hop.change);
+    take(hop.rateChange);
     hop.begins = *numbers++ != 0;
     hop.isFollowed = *numbers++ != 0;
     hop.rate = *numbers++;

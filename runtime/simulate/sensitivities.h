@@ -123,6 +123,7 @@ private:
   void fixSlips(double time, const double *state);
   // sensitivities_of_hops.cpp
   bool differentiateRate(double time, const double *state, int contact, Eigen::VectorXd &change);
+  void standInside(SmoothIntegrator &integrator, double time, int contact);
   void followHopsFrom(SmoothIntegrator &integrator, double time);
   void followHopsTo(SmoothIntegrator &integrator, double time, double length);
 
@@ -130,8 +131,8 @@ private:
   // since it left the ground.
   struct Hop {
     bool begins = false, isFollowed = false;
-    double rate = 0;                     // of the gap, at the end of the last step
-    Eigen::VectorXd change, rateChange;  // ∂gap/∂θ there, and of the rate at its begin
+    double rate = 0;                     // of the gap, where the last step has ended
+    Eigen::VectorXd change, rateChange;  // ∂gap/∂θ there, and of the rate
   };
 
   ModeDynamics &dynamics_;
@@ -147,7 +148,7 @@ private:
   std::vector<Hop> hops_;                     // of each contact
   std::vector<double> hopState_;
   std::vector<int> landings_;  // contacts of the event that has begun
-  int eventsSinceStep_ = 0;
+  int eventsSinceStep_ = 0;    // that have ended
   std::vector<double> state_, rate_, samples_;
   double held_ = 0;                 // of addStep
   std::vector<double> refinement_;  // of each column's differences of a map

@@ -32,49 +32,51 @@ bool Sensitivities::differentiateRate(double time, const double *state, int cont
   return change.allFinite();
 }
 
+// The model stands at a time of the last step, and knows the contact's gap there.
+void Sensitivities::standInside(SmoothIntegrator &integrator, double time, int contact) {
+  hopState_.resize(state_.size());
+  integrator.interpolate(time, hopState_.data());
+  dynamics_.model().setPoint(time, hopState_.data());
+  dynamics_.model().switchingOf(contact);
+}
+
+// Between events the hop goes on as the last step has left it.
 void Sensitivities::followHopsFrom(SmoothIntegrator &integrator, double time) {
-  ModelEvaluation &at = dynamics_.model();
-  const std::vector<double> &state = hopState_;
-  for (std::size_t i = 0; i < hops_.size(); ++i) {
+  const ModelEvaluation &at = dynamics_.model();
+  const bool isClear = eventsSinceStep_ == 1;
+  for (std::size_t i = 0; i < hops_.size() && eventsSinceStep_ > 0; ++i) {
     Hop &hop = hops_[i];
-    if (!hop.begins && !hop.isFollowed)
-      continue;
-    const int contact = static_cast<int>(i);
-    hopState_.resize(state_.size());
-    integrator.interpolate(time, hopState_.data());
-    at.setPoint(time, state.data());
-    at.switchingOf(contact);
-    const double rate = at.gapRate[contact], fastest = slow * at.scales.gapRate(contact, state.data() + at.model().nq);
-    if (hop.begins) {
-      hop.isFollowed = rate > 0 && rate <= fastest && eventsSinceStep_ == 1;
-      hop.change = -rate * lastEventTime_;
-    } else if (eventsSinceStep_ > 0) {
-      hop.isFollowed = eventsSinceStep_ == 1;
-      hop.change += (hop.rate - rate) * lastEventTime_;
+    const bool isOpen = dynamics_.mode().closed[i] == 0;
+    if ((hop.begins || hop.isFollowed) && isOpen && isClear) {
+      const int contact = static_cast<int>(i);
+      standInside(integrator, time, contact);
+      const double rate = at.gapRate[contact], fastest = slow * at.scales.gapRate(contact, hopState_.data() + at.model().nq);
+      hop.isFollowed = !hop.begins || (rate > 0 && rate <= fastest);
+      hop.change = hop.begins ? Eigen::VectorXd(-rate * lastEventTime_) : hop.change + (hop.rate - rate) * lastEventTime_;
+      hop.rate = rate;
+      hop.isFollowed = hop.isFollowed && differentiateRate(time, hopState_.data(), contact, hop.rateChange);
+    } else {
+      hop.isFollowed = false;
     }
     hop.begins = false;
-    hop.rate = rate;
-    hop.isFollowed = hop.isFollowed && differentiateRate(time, state.data(), contact, hop.rateChange);
   }
   eventsSinceStep_ = 0;
 }
 
 void Sensitivities::followHopsTo(SmoothIntegrator &integrator, double time, double length) {
-  ModelEvaluation &at = dynamics_.model();
-  const std::vector<double> &state = hopState_;
+  const ModelEvaluation &at = dynamics_.model();
   for (std::size_t i = 0; i < hops_.size(); ++i) {
     Hop &hop = hops_[i];
     if (!hop.isFollowed)
       continue;
     const int contact = static_cast<int>(i);
-    integrator.interpolate(time, hopState_.data());
-    at.setPoint(time, state.data());
-    at.switchingOf(contact);
+    standInside(integrator, time, contact);
     // A step may end on the ground, and be long inside.
     const double height = std::max(at.gap[contact], 0.25 * length * (std::abs(hop.rate) + std::abs(at.gapRate[contact])));
+    hop.isFollowed = height <= low * at.scales.gap(contact, hopState_.data());
     hop.rate = at.gapRate[contact];
     hop.change += 0.5 * length * hop.rateChange;
-    hop.isFollowed = height <= low * at.scales.gap(contact, state.data()) && differentiateRate(time, state.data(), contact, hop.rateChange);
+    hop.isFollowed = hop.isFollowed && differentiateRate(time, hopState_.data(), contact, hop.rateChange);
     hop.change += 0.5 * length * hop.rateChange;
   }
 }

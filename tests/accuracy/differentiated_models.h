@@ -15,6 +15,11 @@ inline std::string fileOf(const char *model) {
                                              : sourceFile("sensitivity" + std::to_string(std::hash<std::string>()(text)) + ".tf", text);
 }
 
+// df/dx at x, of order 4 in the step.
+template <class Function> double differenceQuotient(const Function &f, double x, double step) {
+  return (8 * (f(x + step) - f(x - step)) - (f(x + 2 * step) - f(x - 2 * step))) / (12 * step);
+}
+
 inline constexpr const char *kBounds =
     R"(model Bounds "a table on four legs: the least forces lie on bounds while its load goes to one end, until it tips"
   parameter Real mu[4] = {0.2, 0.45, 0.1, 0.3}, m = 1, x1 = 0.5, x4 = 0.6, vx = 3, v2 = 0.8;

@@ -377,7 +377,7 @@ end Compass;
     EXPECT_GE(model.count(TF_EVENT_REST), 2);
     return model["phi[1]"];
   };
-  const double difference = (8 * (angle(-1 + step) - angle(-1 - step)) - (angle(-1 + 2 * step) - angle(-1 - 2 * step))) / (12 * step);
+  const double difference = differenceQuotient(angle, -1, step);
   for (const double tolerance : {1e-8, 1e-9, 1e-10}) {
     CompiledModel model(file);
     differentiateBy(model, {"w"});
@@ -411,7 +411,7 @@ end Groove;
     EXPECT_GE(model.count(TF_EVENT_IMPACT), 20);
     return model["Q.w[3]"];
   };
-  const double difference = (8 * (spin(0.7 + step) - spin(0.7 - step)) - (spin(0.7 + 2 * step) - spin(0.7 - 2 * step))) / (12 * step);
+  const double difference = differenceQuotient(spin, 0.7, step);
   for (const tf_integrator integrator : {TF_AUTO, TF_STEP})
     for (const double tolerance : {1e-7, 1e-8, 1e-9, 1e-10, 1e-11}) {
       CompiledModel model(file);
