@@ -90,7 +90,7 @@ void ConicForces::findKernel() {
   kernelRows_ = kernel_.transpose();
 }
 
-bool ConicForces::prepare(double tolerance) {
+bool ConicForces::prepare(double tolerance, double leastScale) {
   rowLength_ = matrix_.rowwise().norm();
   rowLength_ = (rowLength_.array() > 0).select(rowLength_, 1.0);
   matrix_.array().colwise() /= rowLength_.array();
@@ -105,7 +105,7 @@ bool ConicForces::prepare(double tolerance) {
     parts_[number].factor.compute(matrix_(places, places).transpose());
   }
   solve(rhs_, free_);
-  scale_ = free_.lpNorm<Eigen::Infinity>();
+  scale_ = std::max(free_.lpNorm<Eigen::Infinity>(), leastScale);
   for (const Limit &limit : limits_)
     scale_ = std::max(scale_, limit.offset);
   if (!(scale_ > 0))

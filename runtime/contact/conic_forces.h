@@ -33,8 +33,8 @@ public:
   Limit &limit(int k) { return limits_[k]; }
 
   // Makes the rows of A unit vectors and factorises it. False: the dependent equations contradict the others by more than `tolerance`,
-  // relative to the size of the point.
-  bool prepare(double tolerance);
+  // relative to scale(), the size of the point or `leastScale`, if that is more.
+  bool prepare(double tolerance, double leastScale = 0);
   // Of row r of A, before prepare(); 1 where it is zero.
   [[nodiscard]] double rowLength(int r) const { return rowLength_[r]; }
   // The least-norm solution of A x = b alone.

@@ -28,6 +28,7 @@ void ContactProblem::resize(int normals, int tangents) {
   ContactRows::resize(normals, tangents);
   delassus.setZero(count(), count());
   bias.assign(count(), 0.0);
+  load = 0;
 }
 
 void ContactProblem::turnPair(int j, double c, double s) {

@@ -50,8 +50,10 @@ struct ContactRows {
 struct ContactProblem : ContactRows {
   DenseMatrix delassus;      // D: (n + m) × (n + m)
   std::vector<double> bias;  // φ: n + m
+  // √(aᵀ M a), a the acceleration without the forces: |φ_r|/√D_rr without its bias is no larger, and rounded to this. 0: not known.
+  double load = 0;
 
-  // D and φ are zero afterwards.
+  // D and φ are zero afterwards, and there is no load.
   void resize(int normals, int tangents);
   // isInertSlip of tangential row j, the slip's only one.
   [[nodiscard]] bool isInert(int j) const;

@@ -23,6 +23,7 @@ constexpr double leastWidth = 1e-9;
 }  // namespace
 
 void ForceSet::view(const ContactProblem &problem) {
+  load_ = problem.load;
   const int m = problem.tangentCount;
   offset_.resize(m);
   for (int j = 0; j < m; ++j)
@@ -292,6 +293,16 @@ void ForceSet::loadLimit(int l) {
   length_[k + l] = limit.length;
 }
 
+// Of the loads in φ forces are a part, in free fall none. What rounding leaves of them there is not compared with itself.
+double ForceSet::weightlessForce() const {
+  constexpr double weightless = 1e-6;
+  double force = 0;
+  for (const int row : equations_.active())
+    if (const double response = (*rows_.delassus)(row, row); response > 0)
+      force = std::max(force, weightless * load_ / std::sqrt(response));
+  return force;
+}
+
 void ForceSet::loadPolyhedron() {
   const int k = activeCount(), limits = static_cast<int>(limits_.size());
   polyhedron_.resize(k, k, limits);
@@ -309,6 +320,7 @@ void ForceSet::loadPolyhedron() {
       forceScale_ = std::max(forceScale_, rows_.offset[j]);
   for (const double force : reference_)
     forceScale_ = std::max(forceScale_, std::abs(force));
+  forceScale_ = std::max(forceScale_, weightlessForce());
   if (!(forceScale_ > 0))
     forceScale_ = 1;
 }
@@ -379,7 +391,7 @@ void ForceSet::loadConic() {
 // The equations alone have been solved then. False: they contradict one another.
 bool ForceSet::prepareConic() {
   loadConic();
-  const bool areConsistent = cone_.prepare(redundantResidual);
+  const bool areConsistent = cone_.prepare(redundantResidual, weightlessForce());
   forceScale_ = cone_.scale();
   length_.resize(static_cast<std::size_t>(activeCount()));
   for (int r = 0; r < activeCount(); ++r)

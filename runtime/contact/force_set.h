@@ -127,6 +127,7 @@ private:
   void weighEquations();
   void loadEquation(int r);
   [[nodiscard]] double atReference(const double *normal) const;
+  [[nodiscard]] double weightlessForce() const;
   // The normal of a limit among the unknowns (`owner` < 0: one entry) and its bound, divided by the normal's length.
   struct LimitRow {
     int own = 0, owner = -1;
@@ -184,7 +185,7 @@ private:
     double factor = 0;
   };
   std::vector<Loaded> loads_;
-  double forceScale_ = 0;
+  double forceScale_ = 0, load_ = 0;
   bool hasMode_ = false, singular_ = false;
   double leastNormTolerance_ = 0;  // infinite: none has been found
   bool conic_ = false, inside_ = true, hasInnermost_ = false;

@@ -97,7 +97,7 @@ struct ImpactSequence::Workspace {
   void sumTail(const BreakpointTail &tail, const std::vector<int> &contacts);
   void recordPoint(const std::vector<int> &contacts);
   void dropReopened();
-  void sumRepeating();
+  bool sumRepeating();
   void endSlowest();
 };
 
@@ -384,13 +384,13 @@ void ImpactSequence::Workspace::dropReopened() {
   });
 }
 
-// Sums the impacts where they repeat, and then the accumulations where these do.
-void ImpactSequence::Workspace::sumRepeating() {
+// Sums the impacts where they repeat, and then the accumulations where these do: true.
+bool ImpactSequence::Workspace::sumRepeating() {
   const auto contracts = [](BreakpointTail &tail) {
     return tail.repeats() && tail.factor() > 0 && tail.factor() < 1 - sequenceContraction;
   };
   if (!contracts(inner))
-    return;
+    return false;
   std::vector<int> contacts = ending(innerHits, inner.period());
   sumTail(inner, contacts);
   recordPoint(contacts);
@@ -398,7 +398,8 @@ void ImpactSequence::Workspace::sumRepeating() {
   for (const int i : contacts)
     symbol = (31 * symbol + i + 1) % 1000003;
   addEntry(outer, outerStart, symbol);
-  if (contracts(outer)) {
+  const bool isNested = contracts(outer);
+  if (isNested) {
     contacts = ending(outerHits, outer.period());
     sumTail(outer, contacts);
     dropReopened();
@@ -411,6 +412,7 @@ void ImpactSequence::Workspace::sumRepeating() {
   resetTail(inner);
   innerHits.clear();
   readValues(start);
+  return isNested;
 }
 
 // The impacts have become so slow that nothing is left to come.
@@ -430,7 +432,7 @@ ImpactSequence::~ImpactSequence() = default;
 ImpactSequence::ImpactSequence(ImpactSequence &&) noexcept = default;
 ImpactSequence &ImpactSequence::operator=(ImpactSequence &&) noexcept = default;
 
-const AccumulationPoint *ImpactSequence::follow(const SequenceProblem &problem) {
+const AccumulationPoint *ImpactSequence::follow(const SequenceProblem &problem, Accumulation wanted) {
   Workspace &w = *work_;
   w.begin(problem);
   for (int event = 0; event < eventLimit; ++event) {
@@ -439,7 +441,7 @@ const AccumulationPoint *ImpactSequence::follow(const SequenceProblem &problem) 
     int row = -1;
     const double duration = w.nextEvent(row);
     // What happens later than all that has led to the point is a matter of another time.
-    if (row < 0 || (!w.points.empty() && duration > w.points.front().time))
+    if (row < 0 || (wanted == Accumulation::OfImpacts && !w.points.empty() && duration > w.points.front().time))
       break;
     w.fly(duration, row);
     double approach = 0;
@@ -450,14 +452,15 @@ const AccumulationPoint *ImpactSequence::follow(const SequenceProblem &problem) 
       return nullptr;
     w.dropReopened();
     w.addEntry(w.inner, w.start, row);
-    w.sumRepeating();
+    if (w.sumRepeating() && wanted == Accumulation::OfAccumulations)
+      return &w.points.back();
     w.innerHits.emplace_back();
     if (approach > 0 && approach < negligible * w.fastest) {
       w.endSlowest();
       break;
     }
   }
-  return w.points.empty() ? nullptr : &w.points.front();
+  return w.points.empty() || wanted == Accumulation::OfAccumulations ? nullptr : &w.points.front();
 }
 
 }  // namespace tf::runtime

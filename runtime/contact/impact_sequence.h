@@ -7,6 +7,7 @@
 #include "runtime/contact/contact_problem.h"
 #include "runtime/contact/restitution.h"
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -37,6 +38,10 @@ struct AccumulationPoint {
   double loss = 0;                    // of energy in impacts: −Λᵀ(c⁻ + c⁺)/2 of each
 };
 
+// Which accumulation point of a sequence: the first one, where impacts end, or the first one where such ends accumulate in turn, each of
+// whose contacts open again (a contact that comes to rest in each of the hops of another one).
+enum class Accumulation : std::uint8_t { OfImpacts, OfAccumulations };
+
 class ImpactSequence {
 public:
   ImpactSequence();
@@ -46,7 +51,7 @@ public:
 
   // The first accumulation point after which its contacts stay closed, null if there is none nearby (or an impact has no solution).
   // The pointer is valid until the next call.
-  const AccumulationPoint *follow(const SequenceProblem &problem);
+  const AccumulationPoint *follow(const SequenceProblem &problem, Accumulation wanted = Accumulation::OfImpacts);
 
 private:
   struct Workspace;

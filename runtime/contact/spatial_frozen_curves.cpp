@@ -177,6 +177,16 @@ double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
   double low = 0, lowValue = 0, x = high, v = value(watch, high), highValue = v;
   bool known = false;  // the value at `low`
   int side = 0;
+  // Forces may be beyond their limits by rounding from the begin on.
+  if (const double begin = instant * scale / largestChange; std::isnan(slope(watch))) {
+    if (high <= begin)
+      return high;
+    known = integrate(begin) || nearlyIntegrated();
+    low = known ? begin : 0;
+    lowValue = known ? value(watch, begin) : 0;
+    if (lowValue < 0)
+      return begin;
+  }
   for (int k = 0; k < 100 && high - low > resolution * high; ++k) {
     const double correction = -v / slope(watch);
     if (std::abs(correction) <= resolution * x)
@@ -247,13 +257,16 @@ bool SpatialFrozenPhase::Workspace::settleStop(const Watch &event, double &h, bo
 
 // The first event in the step h, which becomes its end. False: it cannot be located.
 bool SpatialFrozenPhase::Workspace::findEvent(double &h, Watch &event, bool &found) {
-  found = false;
+  found = startsAtLimits = false;
   for (std::size_t again = 0; again <= watches.size(); ++again) {
     const auto fallen = std::find_if(watches.begin(), watches.end(), [&](const Watch &watch) {
       return value(watch, h) < 0 && !(found && watch.kind == event.kind && watch.index == event.index);
     });
     if (fallen == watches.end())
       break;
+    startsAtLimits = found && h * largestChange <= instant * scale;
+    if (startsAtLimits)
+      return false;
     event = *fallen;
     found = true;
     const double located = locate(event, h);
@@ -294,6 +307,8 @@ bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch
   }
   nextLength = integrator.used() <= 6 ? 2 * h : h;
   for (int k = 0; !findEvent(h, event, found); ++k) {
+    if (startsAtLimits)
+      return false;
     do
       h *= 0.5;
     while (++k <= 60 && !integrate(h));

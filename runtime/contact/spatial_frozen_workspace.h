@@ -68,6 +68,7 @@ struct SpatialFrozenPhase::Workspace {
   double stepPart = 0;
   double integratedLength = 0;  // of the last step; 0: none
   bool isIntegrated = false;    // it was accepted
+  bool startsAtLimits = false;  // in the last search for an event, several forces were beyond their limits from the begin of the step on
   double nextLength = 0;
   double roundingSpeed = 0;    // velocities below are within rounding of zero
   double stillSpeed = 0;       // slips below come to rest, or start

@@ -1,6 +1,16 @@
 #include "runtime/integrate/contact_system.h"
 
+#include "runtime/integrate/dot.h"
+
+#include <cmath>
+
 namespace tf::runtime {
+
+void ContactSystem::setBias(const ModelEvaluation &at, double *freeAcceleration) {
+  at.mobility.accelerate(at.force.data(), at.constraintBias.data(), freeAcceleration);
+  rows.bias(at, freeAcceleration, problem.bias);
+  problem.load = std::sqrt(std::abs(dot(at.force.data(), freeAcceleration, at.model().nv)));
+}
 
 std::vector<double> ContactSystem::settle(const SettledForces &settled, const ContactMode &mode) {
   const int normals = problem.normalCount, count = problem.count();

@@ -34,11 +34,8 @@ struct ContactSystem {
   void gather(const ModelEvaluation &at) { rows.gather(at, problem); }
   // D;
   void respond(const ModelEvaluation &at) { rows.respond(at, problem.delassus); }
-  // the acceleration without the forces of the rows [nv], and φ.
-  void setBias(const ModelEvaluation &at, double *freeAcceleration) {
-    at.mobility.accelerate(at.force.data(), at.constraintBias.data(), freeAcceleration);
-    rows.bias(at, freeAcceleration, problem.bias);
-  }
+  // the acceleration without the forces of the rows [nv], φ and its load.
+  void setBias(const ModelEvaluation &at, double *freeAcceleration);
   // φ of the rows that do not slip becomes that with which these forces hold them exactly, in the problem nearby where they do. Returns the
   // forces of the rows.
   std::vector<double> settle(const SettledForces &settled, const ContactMode &mode);

@@ -608,6 +608,7 @@ const Selection &ModeSelection::select(double time, const double *state, const M
   chooseRows(time, state, previous);
   const Trial trial = tryAssignments(time, state);
   result.indeterminate = indeterminate_;
+  result.isSettled = isSettled_;
   result.contact = forced_;
   switch (trial) {
   case Trial::Consistent:

@@ -28,6 +28,7 @@ struct Selection {
   SelectionStatus status = SelectionStatus::Failed;
   Mode mode;
   int contact = -1;            // FrictionalImpulse: the contact that pushes; indeterminate: one with D_s < 0, or −1
+  bool isSettled = false;      // the dynamics has been started with forces that the next evaluation finds to its accuracy only
   bool indeterminate = false;  // several solutions; the most open one was taken
   std::string text;
 };

@@ -27,21 +27,16 @@ constexpr double shortestWait = 2, longestWait = 1e3;
 // After a prediction of another point than the last one, or none, which happens again and again where impacts run through many contacts,
 // so many impacts are let pass at most: of many contacts, a prediction of which costs as much as many impacts, the square of their number.
 constexpr int shortestLimit = 15, longestLimit = 255;
-constexpr std::size_t mostPredictions = 6;
 // The next prediction is made when this share of the time is left: no usual coefficient of restitution, or rounding would decide.
-constexpr double nextShare = 0.51, leastChange = 0.75;
-
-bool anyOf(const std::vector<std::uint8_t> &flags) {
-  return std::any_of(flags.begin(), flags.end(), [](std::uint8_t flag) { return flag != 0; });
-}
+constexpr double nextShare = 0.51;
 
 }  // namespace
 
 RestPrediction::RestPrediction(ModeDynamics &dynamics, ModeSelection &selection)
-    : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), fastest_(at_.model().nc), last_(at_.model().nc),
-      lastTime_(at_.model().nc), lastInterval_(at_.model().nc), lowUntil_(at_.model().nc), changed_(at_.model().ns),
-      alternates_(at_.model().ns), change_(at_.model().nv), moment_(at_.model().nv), reach_(at_.model(), at_.scales),
-      owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
+    : dynamics_(dynamics), at_(dynamics.model()), selection_(selection), ofImpacts_(dynamics.size(), at_.model().ns),
+      ofAccumulations_(dynamics.size(), at_.model().ns), fastest_(at_.model().nc), last_(at_.model().nc), lastTime_(at_.model().nc),
+      lastInterval_(at_.model().nc), lowUntil_(at_.model().nc), slowed_(at_.model().nc), change_(at_.model().nv), moment_(at_.model().nv),
+      reach_(at_.model(), at_.scales), owner_(contactsOfTangents(at_.model())), roles_(rolesOfTangents(at_.model())) {
   reset(0);
 }
 
@@ -54,21 +49,21 @@ void RestPrediction::reset(double time) {
   restart();
 }
 
-void RestPrediction::forget() {
-  predictions_.clear();
-  extrapolated_.clear();
-}
-
 void RestPrediction::restart() {
-  forget();
+  ofImpacts_.restart();
+  ofAccumulations_.restart();
+  nearest_.clear();
   lastImpact_ = nextAttempt_ = -std::numeric_limits<double>::infinity();
   std::fill(lastTime_.begin(), lastTime_.end(), lastImpact_);
   std::fill(lastInterval_.begin(), lastInterval_.end(), std::numeric_limits<double>::infinity());
   std::fill(lowUntil_.begin(), lowUntil_.end(), lastImpact_);
-  std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
-  std::fill(alternates_.begin(), alternates_.end(), std::uint8_t{0});
   wait_ = shortestWait;
-  pause_ = passed_ = 0;
+  pause_ = passed_ = outerPause_ = outerPassed_ = 0;
+}
+
+void RestPrediction::recordSwitch(int index) {
+  ofImpacts_.recordSwitch(index);
+  ofAccumulations_.recordSwitch(index);
 }
 
 void RestPrediction::write(double *numbers) const {
@@ -83,15 +78,9 @@ void RestPrediction::read(const double *numbers) {
   impacts_ = numbers[fastest_.size()];
 }
 
-// Weights that extrapolate values at x to 0, for the powers 1, x², x³, …, and x where switches change on the way.
-Eigen::VectorXd RestPrediction::extrapolationWeights(const Eigen::VectorXd &x) const {
-  const Eigen::Index m = x.size();
-  const double first = anyOf(alternates_) ? 1 : 2;
-  Eigen::MatrixXd powers(m, m);
-  for (Eigen::Index k = 0; k < m; ++k)
-    for (Eigen::Index e = 0; e < m; ++e)
-      powers(e, k) = e == 0 ? 1 : std::pow(x(k) / x(0), first + static_cast<double>(e - 1));
-  return powers.fullPivLu().solve(Eigen::VectorXd::Unit(m, 0));
+// After recordImpact: slow, and sooner than the time before.
+bool RestPrediction::slowsDown(const Approach &approach) const {
+  return approach.speed <= early * fastest_[approach.contact] && slowed_[approach.contact] != 0;
 }
 
 // False where it is too early for a prediction.
@@ -105,7 +94,8 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
     fastest = std::max(fastest, speed);
     const double own = std::isfinite(lastTime_[contact]) ? time - lastTime_[contact] : 0;
     // What has not come back within times that become shorter does not accumulate yet.
-    slowed = slowed || (speed <= early * fastest && own > 0 && lastInterval_[contact] > own);
+    slowed_[contact] = own > 0 && lastInterval_[contact] > own ? 1 : 0;
+    slowed = slowed || slowsDown({contact, speed});
     lastInterval_[contact] = own > 0 ? own : lastInterval_[contact];
     // Nor do shorter bounces of its own about the longer ones that they follow.
     const bool isLow = speed <= low * fastest || (own > 0 && speed * own <= lowHeight * at_.scales.gap(contact, coordinates, farthest));
@@ -116,9 +106,7 @@ bool RestPrediction::recordImpact(double time, const std::vector<Approach> &appr
   if (!std::isfinite(interval))
     firstImpact_ = time;
   lastImpact_ = time;
-  if (!(++impacts_ >= firstImpacts && slowed && time >= nextAttempt_ && std::isfinite(interval)))
-    return false;
-  return ++passed_ > pause_;
+  return ++impacts_ >= firstImpacts && slowed && std::isfinite(interval);
 }
 
 bool RestPrediction::bouncesLow(double time) const {
@@ -354,13 +342,13 @@ bool RestPrediction::moveTo(const AccumulationPoint &end, double time, const dou
   return std::all_of(point.state.begin(), point.state.end(), [](double y) { return std::isfinite(y); });
 }
 
-bool RestPrediction::predict(double time, const double *state, Prediction &prediction) {
+bool RestPrediction::predict(double time, const double *state, RestEstimate &estimate) {
   if (!isDisplaced_)
     chooseContacts(time, state);
-  const auto addsReachable = [&] { return !isDisplaced_ && addReachable(time, state, prediction.point); };
-  while (predictWithChosen(time, state, prediction))
+  const auto addsReachable = [&] { return !isDisplaced_ && addReachable(time, state, estimate.point); };
+  while (predictWithChosen(time, state, estimate))
     if (!addsReachable()) {
-      if (!refine(time, state, prediction))
+      if (!refine(time, state, estimate))
         return false;
       if (!addsReachable())
         return true;
@@ -369,75 +357,59 @@ bool RestPrediction::predict(double time, const double *state, Prediction &predi
 }
 
 // The point of rest with the coefficients of this instant.
-bool RestPrediction::predictWithChosen(double time, const double *state, Prediction &prediction) {
+bool RestPrediction::predictWithChosen(double time, const double *state, RestEstimate &estimate) {
   chooseRows(time, state);
   if (!evaluateDelassus(time, state))
     return false;
   std::vector<double> coefficients(state, state + dynamics_.size());
   stopTouching(coefficients);
-  return follow(coefficients, time, state, prediction);
+  return follow(coefficients, time, state, estimate);
 }
 
-// With the velocities that the last prediction leaves at its end.
-bool RestPrediction::refine(double time, const double *state, Prediction &prediction) {
+// With the velocities that the last estimate leaves at its end.
+bool RestPrediction::refine(double time, const double *state, RestEstimate &estimate) {
   const int nq = at_.model().nq, nv = at_.model().nv;
   std::vector<double> coefficients(state, state + dynamics_.size());
-  std::copy_n(prediction.point.state.begin() + nq, nv, coefficients.begin() + nq);
-  return follow(coefficients, time, state, prediction);
+  std::copy_n(estimate.point.state.begin() + nq, nv, coefficients.begin() + nq);
+  return follow(coefficients, time, state, estimate);
 }
 
 // To where the sequence leads with φ of the state `coefficients`.
-bool RestPrediction::follow(const std::vector<double> &coefficients, double time, const double *state, Prediction &prediction) {
+bool RestPrediction::follow(const std::vector<double> &coefficients, double time, const double *state, RestEstimate &estimate) {
   evaluateBias(time, coefficients);
-  const AccumulationPoint *end = sequence_.follow(problem_);
-  if (end == nullptr || !(end->time > 0) || !moveTo(*end, time, state, prediction.point))
+  const AccumulationPoint *end = sequence_.follow(problem_, wanted_);
+  if (end == nullptr || !(end->time > 0) || !moveTo(*end, time, state, estimate.point))
     return false;
-  prediction.remaining = end->time;
+  estimate.remaining = end->time;
   return true;
 }
 
-// How the prediction moves with the sensitivities; false where it ends in another way nearby.
-bool RestPrediction::differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction) {
+// How the estimate moves with the sensitivities; false where it ends in another way nearby.
+bool RestPrediction::differentiate(double time, const double *state, Sensitivities &sensitivities, RestEstimate &estimate) {
   const int n = sensitivities.size(), count = n + 2;
-  Prediction displaced;
+  RestEstimate displaced;
   const auto values = [&](double at, double *point, double *result) {
-    if (!predict(at, point, displaced) || displaced.point.contacts != prediction.point.contacts ||
-        displaced.point.sticking != prediction.point.sticking)
+    if (!predict(at, point, displaced) || displaced.point.contacts != estimate.point.contacts ||
+        displaced.point.sticking != estimate.point.sticking)
       return false;
     std::copy_n(displaced.point.state.begin(), n, result);
     result[n] = displaced.point.time;
     result[n + 1] = displaced.remaining;
     return true;
   };
-  prediction.derivatives.resize(static_cast<std::size_t>(count) * sensitivities.columnCount());
+  estimate.derivatives.resize(static_cast<std::size_t>(count) * sensitivities.columnCount());
   isDisplaced_ = true;
   bool isGood = true;
   for (int column = 0; column < sensitivities.columnCount() && isGood; ++column)
     isGood = sensitivities.differentiate(values, time, state, column, count,
-                                         prediction.derivatives.data() + static_cast<std::ptrdiff_t>(count) * column);
+                                         estimate.derivatives.data() + static_cast<std::ptrdiff_t>(count) * column);
   isDisplaced_ = false;
   return isGood;
 }
 
-int RestPrediction::longerPause() const {
+int RestPrediction::longerPause(int pause) const {
   const int contacts = rows_.normalCount();
-  return std::min(2 * pause_ + 1, std::clamp(contacts * contacts, shortestLimit, longestLimit));
-}
-
-// Predictions of another point, or of an earlier course of the motion, are dropped.
-void RestPrediction::add(Prediction prediction) {
-  if (!predictions_.empty()) {
-    const Prediction &last = predictions_.back();
-    const bool isOther = last.point.contacts != prediction.point.contacts || prediction.remaining > leastChange * last.remaining;
-    pause_ = isOther ? longerPause() : 0;
-    if (isOther)
-      forget();
-  }
-  if (predictions_.size() == mostPredictions)
-    predictions_.erase(predictions_.begin());
-  predictions_.push_back(std::move(prediction));
-  std::swap(alternates_, changed_);
-  std::fill(changed_.begin(), changed_.end(), std::uint8_t{0});
+  return std::min(2 * pause + 1, std::clamp(contacts * contacts, shortestLimit, longestLimit));
 }
 
 // Times are as exact as a part of the run, and of some times the impacts' duration.
@@ -446,120 +418,23 @@ double RestPrediction::timeScale() const {
   return std::min(std::max(1.0, lastImpact_ - begin_), sometimes * (lastImpact_ - firstImpact_));
 }
 
-// True if the best extrapolation of the latest predictions (of two or more) agrees with the one of one prediction fewer, and with that of
-// the last time.
-bool RestPrediction::extrapolate(double tolerance, const double *scale) {
-  const int n = dynamics_.size();
-  const auto difference = [&](const std::vector<double> &a, const std::vector<double> &b) {
-    double largest = 0;
-    for (int i = 0; i <= n; ++i)
-      largest = std::max(largest, std::abs(a[i] - b[i]) / (i < n ? std::max(scale[i], std::abs(a[i])) : timeScale()));
-    return largest;
-  };
-  std::vector<double> previous, best;
-  double error = std::numeric_limits<double>::infinity();
-  for (std::size_t m = 1; m <= predictions_.size(); ++m) {
-    const Prediction *first = predictions_.data() + (predictions_.size() - m);
-    Eigen::VectorXd x(static_cast<Eigen::Index>(m));
-    for (std::size_t k = 0; k < m; ++k)
-      x(static_cast<Eigen::Index>(k)) = first[k].remaining;
-    const Eigen::VectorXd weights = extrapolationWeights(x);
-    std::vector<double> now(static_cast<std::size_t>(n) + 1, 0.0);
-    for (std::size_t k = 0; k < m; ++k) {
-      for (int i = 0; i < n; ++i)
-        now[i] += weights(static_cast<Eigen::Index>(k)) * first[k].point.state[i];
-      now[n] += weights(static_cast<Eigen::Index>(k)) * first[k].point.time;
-    }
-    if (m > 1 && difference(now, previous) < error) {
-      error = difference(now, previous);
-      best = now;
-      extrapolatedFrom_ = m;
-    }
-    previous = std::move(now);
-  }
-  const bool agrees = error <= tolerance && !extrapolated_.empty() && difference(best, extrapolated_) <= tolerance;
-  extrapolated_ = best;
-  if (!agrees)
-    return false;
-  const Prediction &last = predictions_.back();
-  point_ = last.point;
-  point_.time = best[n];
-  std::copy_n(best.begin(), n, point_.state.begin());
-  extrapolateTotals(last.totals);
-  return true;
-}
-
-// Of what comes together until the point is reached, beyond what had done so when it was predicted last.
-void RestPrediction::extrapolateTotals(const std::vector<double> &last) {
-  const auto m = static_cast<Eigen::Index>(extrapolatedFrom_);
-  const Prediction *first = predictions_.data() + (predictions_.size() - extrapolatedFrom_);
-  Eigen::VectorXd x(m);
-  for (Eigen::Index k = 0; k < m; ++k)
-    x(k) = first[k].remaining;
-  const Eigen::VectorXd weights = extrapolationWeights(x);
-  for (std::size_t i = 0; i < last.size(); ++i) {
-    double total = 0;
-    for (Eigen::Index k = 0; k < m; ++k)
-      total += weights(k) * first[k].totals[i];
-    point_.accumulated[i] += total - last[i];
-  }
-}
-
-// Of (q, v, z) and time at the point extrapolated from the latest `predictions`, by each sensitivity: of the values and of the weights.
-std::vector<double> RestPrediction::extrapolatedDerivatives(std::size_t predictions, int columns) const {
-  constexpr double step = 1e-3;
-  const int n = at_.tauIndex(), count = n + 2;
-  const auto m = static_cast<Eigen::Index>(predictions);
-  const Prediction *first = predictions_.data() + (predictions_.size() - predictions);
-  Eigen::VectorXd x(m), change(m);
-  for (Eigen::Index k = 0; k < m; ++k)
-    x(k) = first[k].remaining;
-  const Eigen::VectorXd weights = extrapolationWeights(x);
-  std::vector<double> all;
-  for (int column = 0; column < columns; ++column) {
-    for (Eigen::Index k = 0; k < m; ++k)
-      change(k) = first[k].derivatives[static_cast<std::size_t>(count) * column + n + 1];
-    const double h = step / std::max(change.cwiseQuotient(x).lpNorm<Eigen::Infinity>(), 1e-300);
-    const auto shifted = [&](double s) { return extrapolationWeights(x + s * h * change); };
-    const Eigen::VectorXd turn = (8 * (shifted(1) - shifted(-1)) - (shifted(2) - shifted(-2))) / (12 * h);
-    for (int i = 0; i <= n; ++i) {
-      double sum = 0;
-      for (Eigen::Index k = 0; k < m; ++k)
-        sum += weights(k) * first[k].derivatives[static_cast<std::size_t>(count) * column + i] +
-               turn(k) * (i < n ? first[k].point.state[i] : first[k].point.time);
-      all.push_back(sum);
-    }
-  }
-  return all;
-}
-
-// The derivatives are as well known as differences allow: with one prediction fewer they are nearly the same.
-bool RestPrediction::derivativesAgree(double tolerance, int columns) {
-  const double accepted = std::max(1e-6, 100 * tolerance);
-  point_.derivatives = extrapolatedDerivatives(extrapolatedFrom_, columns);
-  const std::vector<double> fewer = extrapolatedDerivatives(extrapolatedFrom_ - 1, columns);
-  for (std::size_t k = 0; k < fewer.size(); ++k)
-    if (!(std::abs(point_.derivatives[k] - fewer[k]) <= accepted * std::max(1.0, std::abs(fewer[k]))))
-      return false;
-  return true;
-}
-
-bool RestPrediction::isSlow() const {
-  return std::all_of(point_.contacts.begin(), point_.contacts.end(),
+bool RestPrediction::isSlow(const RestPoint &point) const {
+  return std::all_of(point.contacts.begin(), point.contacts.end(),
                      [this](int i) { return last_[i] > 0 && last_[i] <= slow * fastest_[i]; });
 }
 
 // No other contact has closed and no switch has changed at the point, but for those that do on the way again and again.
-bool RestPrediction::nothingElseHappens() {
+bool RestPrediction::nothingElseHappens(const RestSeries &series) {
   const tf_model &model = at_.model();
-  at_.setPoint(point_.time, point_.state.data());
+  const RestPoint &point = series.point();
+  at_.setPoint(point.time, point.state.data());
   at_.switching(ModelEvaluation::Gaps | ModelEvaluation::Conditions);
   for (int i = 0; i < model.nc; ++i)
-    if (!std::binary_search(point_.contacts.begin(), point_.contacts.end(), i) && !dynamics_.mode().closed[i] && at_.gap[i] < 0)
+    if (!std::binary_search(point.contacts.begin(), point.contacts.end(), i) && !dynamics_.mode().closed[i] && at_.gap[i] < 0)
       return false;
   for (int j = 0; j < model.ns; ++j)
     if (const Switch side = dynamics_.mode().switches[j]; model.switches[j].kind != TF_SWITCH_REST && side != Switch::Sliding &&
-                                                          alternates_[j] == 0 && (at_.condition[j] > 0) != (side == Switch::One))
+                                                          !series.alternates(j) && (at_.condition[j] > 0) != (side == Switch::One))
       return false;
   return true;
 }
@@ -581,41 +456,84 @@ double RestPrediction::timeByRounding(const std::vector<Approach> &approaches) c
 const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Approach> &approaches, const double *state,
                                              const std::vector<double> &accumulated, double tolerance, const double *scale,
                                              Sensitivities *sensitivities) {
-  const double previousImpact = lastImpact_, coarseness = timeByRounding(approaches);
+  const LastImpact impact = {time, lastImpact_, state, accumulated, tolerance, scale, sensitivities, timeByRounding(approaches)};
   if (!recordImpact(time, approaches))
     return nullptr;
+  if (time >= nextAttempt_ && ++passed_ > pause_)
+    if (const RestPoint *point = afterImpacts(impact); point != nullptr)
+      return point;
+  return afterAccumulations(impact, approaches);
+}
+
+bool RestPrediction::makeEstimate(const LastImpact &impact, Accumulation wanted, RestEstimate &estimate) {
+  wanted_ = wanted;
+  if (!predict(impact.time, impact.state, estimate) ||
+      (impact.sensitivities != nullptr && !differentiate(impact.time, impact.state, *impact.sensitivities, estimate)))
+    return false;
+  estimate.totals.resize(impact.accumulated.size());
+  std::ranges::transform(impact.accumulated, estimate.point.accumulated, estimate.totals.begin(), std::plus());
+  return true;
+}
+
+const RestPoint *RestPrediction::afterImpacts(const LastImpact &impact) {
   passed_ = 0;
-  Prediction prediction;
-  if (!predict(time, state, prediction) || (sensitivities != nullptr && !differentiate(time, state, *sensitivities, prediction))) {
-    forget();
+  RestEstimate nearest;
+  if (!makeEstimate(impact, Accumulation::OfImpacts, nearest)) {
+    ofImpacts_.forget();
+    nearest_.clear();
     // Impacts of many contacts may go on for long without a repeating sequence, which is costly to find out.
-    pause_ = longerPause();
+    pause_ = longerPause(pause_);
     wait_ = std::min(2 * wait_, longestWait);
-    nextAttempt_ = time + wait_ * (time - previousImpact);
+    nextAttempt_ = impact.time + wait_ * (impact.time - impact.previous);
     return nullptr;
   }
-  prediction.totals.resize(accumulated.size());
-  std::ranges::transform(accumulated, prediction.point.accumulated, prediction.totals.begin(), std::plus());
+  nearest_ = nearest.point.contacts;
   wait_ = shortestWait;
   // Where switches change on the way, as many times less time may be left as the prediction is wrong by.
-  const bool alternates = anyOf(alternates_) || anyOf(changed_);
-  nextAttempt_ = alternates ? time : time + (1 - nextShare) * prediction.remaining;
-  if (alternates && !predictions_.empty()) {
-    const double last = predictions_.back().remaining;
-    if (prediction.remaining > leastChange * last && prediction.remaining <= last)
-      return nullptr;
-  }
+  nextAttempt_ = ofImpacts_.alternates() ? impact.time : impact.time + (1 - nextShare) * nearest.remaining;
+  if (ofImpacts_.alternates() && !ofImpacts_.isWanted(nearest.remaining))
+    return nullptr;
   // Times and gaps are resolved to rounding, and speeds with them: those of so many impacts as are about the size of those that come add up
   // like a random walk, and the time that is left is their number times that between two.
-  const double number = prediction.remaining / (time - previousImpact);
-  const double resolved = number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), coarseness / timeScale());
-  add(std::move(prediction));
-  if (!extrapolate(std::max(tolerance, resolved), scale) || !(point_.time > time) || !isSlow() || !nothingElseHappens())
+  const double number = nearest.remaining / (impact.time - impact.previous);
+  const double resolved = number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), impact.coarseness / timeScale());
+  const bool isFirst = ofImpacts_.isEmpty(), isOther = ofImpacts_.add(std::move(nearest));
+  if (!isFirst)
+    pause_ = isOther ? longerPause(pause_) : 0;
+  const RestPoint *point = pointOf(ofImpacts_, impact, resolved);
+  if (point != nullptr)
+    pause_ = 0;
+  return point;
+}
+
+// An impact of a contact that bounces lower and lower, but not to the rest that comes next: others come to rest within its hops.
+const RestPoint *RestPrediction::afterAccumulations(const LastImpact &impact, const std::vector<Approach> &approaches) {
+  const auto goesOn = [this](const Approach &approach) {
+    return slowsDown(approach) && !std::binary_search(nearest_.begin(), nearest_.end(), approach.contact);
+  };
+  if (nearest_.empty() || std::none_of(approaches.begin(), approaches.end(), goesOn) || ++outerPassed_ <= outerPause_)
     return nullptr;
-  if (sensitivities != nullptr && !derivativesAgree(tolerance, sensitivities->columnCount()))
+  outerPassed_ = 0;
+  RestEstimate outer;
+  if (!makeEstimate(impact, Accumulation::OfAccumulations, outer)) {
+    ofAccumulations_.forget();
+    outerPause_ = longerPause(outerPause_);
     return nullptr;
-  pause_ = 0;
-  return &point_;
+  }
+  if (!ofAccumulations_.isWanted(outer.remaining))
+    return nullptr;
+  outerPause_ = ofAccumulations_.add(std::move(outer)) ? longerPause(outerPause_) : 0;
+  return pointOf(ofAccumulations_, impact, std::numeric_limits<double>::epsilon());
+}
+
+// Of a series, where it is known well enough and the impacts are slow; `resolved`: no better, relative to the time scale.
+const RestPoint *RestPrediction::pointOf(RestSeries &series, const LastImpact &impact, double resolved) {
+  if (!series.extrapolate(std::max(impact.tolerance, resolved), impact.scale, timeScale()) || !(series.point().time > impact.time) ||
+      !isSlow(series.point()) || !nothingElseHappens(series))
+    return nullptr;
+  if (impact.sensitivities != nullptr && !series.derivativesAgree(impact.tolerance, impact.sensitivities->columnCount()))
+    return nullptr;
+  return &series.point();
 }
 
 }  // namespace tf::runtime

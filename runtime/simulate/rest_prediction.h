@@ -1,31 +1,18 @@
 // Zeno (theory.md section 3): the point in time where infinitely many impacts accumulate, before the impacts have been followed there.
 //
-// After an impact the rest of the sequence is followed with the coefficients of that instant (ImpactSequence). The point so found is wrong
-// by O(T²), T the time that is left, with an expansion in powers of T: points predicted while T halves again and again are extrapolated to
-// T = 0 (Richardson), and the difference of successive extrapolations tells when that is accurate enough to take the step to the point.
-// Where switches change to and fro on the way, as with the sign of a velocity, the point is wrong by O(T), with as regular an expansion.
+// After an impact the rest of the sequence is followed with the coefficients of that instant (ImpactSequence). The points so found are
+// extrapolated (RestSeries) until they are accurate enough to take the step to the point: one series of those where impacts accumulate, and
+// one of those where such points do, as where one end of a rod comes to rest within each hop of the other one.
 #pragma once
 
 #include "runtime/contact/impact_sequence.h"
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/simulate/rest_series.h"
 #include "runtime/simulate/sensitivities.h"
-
-#include <Eigen/Core>
 
 #include <vector>
 
 namespace tf::runtime {
-
-// Where contacts come to rest.
-struct RestPoint {
-  double time = 0;
-  std::vector<double> state;        // q, v, z, tau, to the tolerance; the contacts' gaps and rates may be off by as much
-  std::vector<int> contacts;        // of the model: those that come to rest, ascending
-  std::vector<int> sticking;        // tangential rows of closed contacts whose slip is zero there
-  std::vector<double> derivatives;  // of (q, v, z) and time by each sensitivity, where they are asked for
-  // What has come together on the way: normal impulses [nc] of the impacts, their loss of energy, loss by friction between them.
-  std::vector<double> accumulated;
-};
 
 // The speed at which a contact approaches before an impact.
 struct Approach {
@@ -52,7 +39,7 @@ public:
   // The last impact of a contact was slow, compared with its fastest one, and its next one is still to be expected.
   [[nodiscard]] bool bouncesLow(double time) const;
   // A switch has changed its side.
-  void recordSwitch(int index) { changed_[index] = 1; }
+  void recordSwitch(int index);
   // These contacts, ascending, have come to rest at `time`.
   void endBounces(double time, const std::vector<int> &contacts);
 
@@ -62,16 +49,19 @@ public:
   void read(const double *numbers);
 
 private:
-  struct Prediction {
-    double remaining = 0;  // T
-    RestPoint point;
-    std::vector<double> derivatives;  // of (q, v, z), time and T by each sensitivity
-    std::vector<double> totals;       // point.accumulated and what there was before
+  // What afterImpact is called with.
+  struct LastImpact {
+    double time = 0, previous = 0;  // of it and of the one before
+    const double *state = nullptr;
+    const std::vector<double> &accumulated;
+    double tolerance = 0;
+    const double *scale = nullptr;
+    Sensitivities *sensitivities = nullptr;
+    double coarseness = 0;  // what times are rounded to
   };
 
-  void forget();
-  [[nodiscard]] Eigen::VectorXd extrapolationWeights(const Eigen::VectorXd &x) const;
   bool recordImpact(double time, const std::vector<Approach> &approaches);
+  [[nodiscard]] bool slowsDown(const Approach &approach) const;
   void chooseContacts(double time, const double *state);
   bool addReachable(double time, const double *state, const RestPoint &end);
   void coverReach(double time, const double *state, const RestPoint &end, double span);
@@ -83,21 +73,20 @@ private:
   void stopTouching(std::vector<double> &state);
   void accumulate(const AccumulationPoint &end, RestPoint &point) const;
   bool moveTo(const AccumulationPoint &end, double time, const double *state, RestPoint &point);
-  bool predict(double time, const double *state, Prediction &prediction);
-  bool predictWithChosen(double time, const double *state, Prediction &prediction);
-  bool refine(double time, const double *state, Prediction &prediction);
-  bool follow(const std::vector<double> &coefficients, double time, const double *state, Prediction &prediction);
-  bool differentiate(double time, const double *state, Sensitivities &sensitivities, Prediction &prediction);
-  [[nodiscard]] int longerPause() const;
-  void add(Prediction prediction);
-  bool extrapolate(double tolerance, const double *scale);
-  void extrapolateTotals(const std::vector<double> &last);
-  [[nodiscard]] std::vector<double> extrapolatedDerivatives(std::size_t predictions, int columns) const;
-  bool derivativesAgree(double tolerance, int columns);
-  [[nodiscard]] bool isSlow() const;
+  bool predict(double time, const double *state, RestEstimate &estimate);
+  bool predictWithChosen(double time, const double *state, RestEstimate &estimate);
+  bool refine(double time, const double *state, RestEstimate &estimate);
+  bool follow(const std::vector<double> &coefficients, double time, const double *state, RestEstimate &estimate);
+  bool differentiate(double time, const double *state, Sensitivities &sensitivities, RestEstimate &estimate);
+  [[nodiscard]] int longerPause(int pause) const;
+  const RestPoint *afterImpacts(const LastImpact &impact);
+  const RestPoint *afterAccumulations(const LastImpact &impact, const std::vector<Approach> &approaches);
+  bool makeEstimate(const LastImpact &impact, Accumulation wanted, RestEstimate &estimate);
+  const RestPoint *pointOf(RestSeries &series, const LastImpact &impact, double resolved);
+  [[nodiscard]] bool isSlow(const RestPoint &point) const;
   [[nodiscard]] double timeByRounding(const std::vector<Approach> &approaches) const;
   [[nodiscard]] double timeScale() const;
-  bool nothingElseHappens();
+  bool nothingElseHappens(const RestSeries &series);
 
   ModeDynamics &dynamics_;
   ModelEvaluation &at_;
@@ -105,21 +94,20 @@ private:
   RowSystem rows_;
   SequenceProblem problem_;
   ImpactSequence sequence_;
-  std::vector<std::uint8_t> takesPart_;                     // nc + nf
-  std::vector<std::uint8_t> touches_, stands_;              // rows with gap 0; normal, then tangential rows, with velocity 0
-  bool isDisplaced_ = false;                                // near the point that these were found at: they are kept
-  std::vector<Prediction> predictions_;                     // the latest last, T falling
-  std::size_t extrapolatedFrom_ = 0;                        // how many predictions the best extrapolation takes
-  RestPoint point_;                                         // extrapolated
-  std::vector<double> extrapolated_;                        // its state and time; empty where there is none
+  std::vector<std::uint8_t> takesPart_;            // nc + nf
+  std::vector<std::uint8_t> touches_, stands_;     // rows with gap 0; normal, then tangential rows, with velocity 0
+  bool isDisplaced_ = false;                       // near the point that these were found at: they are kept
+  Accumulation wanted_ = Accumulation::OfImpacts;  // of what is being followed
+  RestSeries ofImpacts_, ofAccumulations_;
+  std::vector<int> nearest_;                                // contacts of the latest estimate of where impacts accumulate
   std::vector<double> fastest_, last_;                      // nc: approach speeds of impacts, the greatest and the last one
   std::vector<double> lastTime_, lastInterval_, lowUntil_;  // nc: of their last impact, since the one before, and when its low bounces end
-  std::vector<std::uint8_t> changed_;                       // ns: since the latest prediction
-  std::vector<std::uint8_t> alternates_;                    // ns: between the two latest predictions
+  std::vector<std::uint8_t> slowed_;                        // nc: the last interval was shorter than the one before
   double impacts_ = 0;                                      // number
   double begin_ = 0, firstImpact_ = 0;                      // times: of the run, and since restart()
   double lastImpact_ = 0, nextAttempt_ = 0;                 // times
   int pause_ = 0, passed_ = 0;                              // impacts that are let pass before the next attempt, and those that have
+  int outerPause_ = 0, outerPassed_ = 0;                    // the same, of points where others accumulate
   double wait_ = 0;                                         // of the last attempt without a prediction, in intervals between impacts
   std::vector<double> change_, moment_;                     // workspaces
   GapScreen reach_;                                         // of contacts that a prediction may close

@@ -59,6 +59,8 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     dynamics_.acceptContradiction();
+  } else if (selection.isSettled && !dynamics_.evaluate(time_, state_.data(), rate_.data())) {
+    return failEvaluation();
   }
   // Where no contact is to blame, loads that redundant contacts may share in several ways leave the motion open.
   if (selection.indeterminate && selection.contact >= 0)

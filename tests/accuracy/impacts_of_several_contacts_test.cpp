@@ -1,5 +1,6 @@
 // Impacts that several contacts take part in, or that leave slow slips behind: that they end, what they keep and what they cost.
 #include "tests/accuracy/constants.h"
+#include "tests/accuracy/differentiated_models.h"
 #include "tests/accuracy/pushed_table.h"
 #include "tests/accuracy/support/compiled_model.h"
 
@@ -7,6 +8,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <string>
+#include <utility>
 
 namespace tf::test {
 namespace {
@@ -302,6 +304,64 @@ end PlanarWedge;
       EXPECT_NEAR(model["der(y)"], 0, 1e-12);
       EXPECT_LT(model["ceiling.impulse"], 20);
     }
+}
+
+// A rod falls on two supports inside its radius of gyration, where an impact of one lifts the other end: within each hop of one end the
+// other one bounces and comes to rest, infinitely often. Small angles: all impacts down to 1e-28 m/s followed with 60 digits.
+TEST(AccumulatingImpacts, OfAccumulationsAreSummed) {
+  const std::string file = sourceFile("two_supports.tf", R"(
+model TwoSupports
+  parameter Real d = 0.2, tilt = 0.05;
+  coordinate Real y(start = 0.5), q(start = tilt);
+  body rod(mass = 1, position = {0, y}, angle = q, inertia = 1/12);
+  gravity g(acceleration = {0, -9.81});
+  contact support[2](gap = {y - d*q, y + d*q}, restitution = {0.644, 0.248});
+end TwoSupports;
+)");
+  struct Rod {
+    double distance, tilt, rest;
+  };
+  for (const auto &[distance, tilt, rest] : {Rod{0.2, 0.05, 1.7457585442706273758}, Rod{0.2, 0.5, 1.4938597146020134334},
+                                             Rod{0.28, 0.05, 1.5351560528686501025}, Rod{0.28, 0.5, 1.3006552134800441317}})
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+        CompiledModel model(file, {{"d", distance}, {"tilt", tilt}});
+        ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+        ASSERT_NO_THROW(model.tolerance(tolerance).integrator(integrator).run(3));
+        const double error = integrator == TF_CVODE ? 1e3 * tolerance : 1e-12;
+        EXPECT_NEAR(model.eventTime(TF_EVENT_CLOSING, model.count(TF_EVENT_CLOSING) - 1), rest, error)
+            << distance << ", tilt " << tilt << ", integrator " << integrator << ", tolerance " << tolerance;
+        EXPECT_LT(tf_get_statistics(model.simulation())->worst_energy_error, std::max(1e-12, error));
+      }
+}
+
+// The same rod, rough, with its ends where they are: the impacts change as it turns, and the point of rest is found by extrapolation.
+TEST(AccumulatingImpacts, OfAccumulationsAreExtrapolated) {
+  const std::string file = sourceFile("two_rough_supports.tf", R"(
+model TwoRoughSupports
+  parameter Real d = 0.28, tilt = 0.3, mu = 0.3;
+  coordinate Real r[2](start = {0, 0.5}), phi(start = tilt);
+  Real tip[2, 2] = {r - d*{cos(phi), sin(phi)}, r + d*{cos(phi), sin(phi)}};
+  body rod(mass = 1, position = r, angle = phi, inertia = 1/12);
+  gravity g(acceleration = {0, -9.81});
+  contact support[2](gap = tip[:, 2], slip = der(tip[:, 1]), each friction = mu, restitution = {0.644, 0.248});
+end TwoRoughSupports;
+)");
+  const auto restAndPlace = [&file](double tolerance, double tilt) {
+    CompiledModel model(file, {{"tilt", tilt}});
+    model.tolerance(tolerance).run(3);
+    return std::pair(model.eventTime(TF_EVENT_CLOSING, model.count(TF_EVENT_CLOSING) - 1), model["r[1]"]);
+  };
+  const auto [rest, place] = restAndPlace(1e-12, 0.3);
+  for (const double tolerance : {1e-6, 1e-8, 1e-10}) {
+    EXPECT_NEAR(restAndPlace(tolerance, 0.3).first, rest, 10 * tolerance);
+    EXPECT_NEAR(restAndPlace(tolerance, 0.3).second, place, 10 * tolerance);
+  }
+  CompiledModel model(file);
+  differentiateBy(model, {"tilt"});
+  model.tolerance(1e-10).run(3);
+  const double quotient = differenceQuotient([&](double tilt) { return restAndPlace(1e-12, tilt).second; }, 0.3, 1e-3);
+  EXPECT_NEAR(sensitivity(model, "r[1]", 0), quotient, 1e-7);
 }
 
 }  // namespace

@@ -239,5 +239,54 @@ end Groove;
         }
 }
 
+// Boxes one upon the other, each with another speed: they slide, tilt and bounce on one another, and rest. In flight, in between, boxes
+// that touch have no load but what rounding makes of their weight, and redundant contacts to share it.
+std::string stackOfBoxes(int count) {
+  return fmt::format(R"(model Stack "boxes of mass 1, a decimetre wide"
+  constant Integer n = {};
+  parameter Real e = 0.3, mu = 0.5, v = 1;
+  constant Real s[4, 2] = 0.05*{{{{-1, -1}}, {{1, -1}}, {{1, 1}}, {{-1, 1}}}};
+  coordinate Real r[n, 2](start = {{{{0.03*i, 0.11*(i - 1) + 0.06}} for i in 1:n}}, der(start = {{{{v*(1 - 0.2*i), 0}} for i in 1:n}}));
+  coordinate Real phi[n];
+  body box[n](each mass = 1, position = r, angle = phi, each inertia = 0.01/6);
+  gravity g(acceleration = {{0, -9.81}});
+  Real c[n, 4, 2] = {{{{r[i] + {{s[k, 1]*cos(phi[i]) - s[k, 2]*sin(phi[i]), s[k, 1]*sin(phi[i]) + s[k, 2]*cos(phi[i])}} for k in 1:4}}
+    for i in 1:n}};
+  Real d[n - 1, 2, 2] = {{{{c[i + 1, k] - r[i] for k in 1:2}} for i in 1:n - 1}};
+  contact floor[2](gap = c[1, 1:2, 2], slip = der(c[1, 1:2, 1]), each friction = mu, each restitution = e);
+  contact face[n - 1, 2](gap = {{{{d[i, k, 2]*cos(phi[i]) - d[i, k, 1]*sin(phi[i]) - 0.05 for k in 1:2}} for i in 1:n - 1}},
+    slip = {{{{der(d[i, k, 1])*cos(phi[i]) + der(d[i, k, 2])*sin(phi[i])
+      + (d[i, k, 1]*sin(phi[i]) - d[i, k, 2]*cos(phi[i]))*der(phi[i]) for k in 1:2}} for i in 1:n - 1}}, each friction = mu,
+      each restitution = e);
+end Stack;
+)",
+                     count);
+}
+
+TEST(Piles, StacksOfBoxesThatSlideApartRestAtTheSamePlaceWithEveryTolerance) {
+  struct Stack {
+    int boxes;
+    double friction, speed;
+  };
+  for (const auto &[boxes, friction, speed] : {Stack{5, 0.5, 1}, Stack{5, 0.8, 2}, Stack{4, 0.8, 0.5}}) {
+    std::vector<double> first;
+    for (const double tolerance : {1e-8, 1e-9, 1e-11}) {
+      CompiledModel model(sourceFile(fmt::format("stack_of_{}.tf", boxes), stackOfBoxes(boxes)), {{"mu", friction}, {"v", speed}});
+      ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+      ASSERT_NO_THROW(model.tolerance(tolerance).run(2)) << boxes << ", friction " << friction << ", tolerance " << tolerance;
+      const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+      EXPECT_GE(statistics.worst_gap, -1e-9);
+      EXPECT_GE(statistics.worst_normal_force, -1e-9 * statistics.largest_normal_force);
+      EXPECT_LT(statistics.worst_energy_error, 1e-8);
+      EXPECT_LT(fastest(model), 1e-9);
+      const std::vector<double> last = model.valuesOf(TF_KIND_COORDINATE);
+      if (first.empty())
+        first = last;
+      for (std::size_t k = 0; k < last.size(); ++k)
+        EXPECT_NEAR(last[k], first[k], 1e-8) << k << ", tolerance " << tolerance;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tf::test

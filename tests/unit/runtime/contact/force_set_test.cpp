@@ -45,5 +45,23 @@ TEST(ForceSet, KeepsLimitsThatNoForcesLeave) {
   EXPECT_EQ(fixedOf(beam(-1), set), std::vector<int>({1, 2}));
 }
 
+// In free fall nothing presses the beam on its supports, and what rounding leaves of its weight may pull it up: that is no load without
+// admissible forces. As a load of its own size it is one.
+TEST(ForceSet, WhatRoundingLeavesOfALoadIsNone) {
+  ContactProblem problem = beam(0);
+  problem.bias = {2e-16, 1e-16, -1e-16};
+  ContactMode mode;
+  mode.resize(3, 0);
+  mode.closed.assign(3, 1);
+  ForceSet set;
+  set.setMode(problem, mode);
+  ASSERT_TRUE(set.singular(problem));
+  EXPECT_NE(set.solveLeastNorm(problem, 1e-9), LeastNorm::Status::Solved);
+  problem.load = 1;
+  EXPECT_EQ(set.solveLeastNorm(problem, 1e-9), LeastNorm::Status::Solved);
+  for (const double force : set.forces())
+    EXPECT_NEAR(force, 0, 1e-15);
+}
+
 }  // namespace
 }  // namespace tf::runtime
