@@ -69,6 +69,17 @@ void FrozenMode::turn(const FrozenProblem &problem, DenseMatrix &delassus) const
       turnRows(delassus, problem.normalCount + j, direction[j], direction[j + 1]);
 }
 
+void FrozenMode::turnForth(const FrozenProblem &problem, std::vector<double> &forces) const {
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    if (problem.partner[j] < j)
+      continue;
+    double &first = forces[problem.normalCount + j], &second = forces[problem.normalCount + j + 1];
+    const double along = direction[j] * first + direction[j + 1] * second;
+    second = direction[j] * second - direction[j + 1] * first;
+    first = along;
+  }
+}
+
 void FrozenMode::turnBack(const FrozenProblem &problem, std::vector<double> &forces) const {
   for (int j = 0; j < problem.tangentCount; ++j) {
     if (problem.partner[j] < j)

@@ -52,7 +52,11 @@ bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double b
   // A step's velocities need not be better than rounding, which redundant rows do not agree within.
   const double tolerance = band > 0 ? std::max(feasibility, 10 * roundingSpeed / band) : feasibility;
   if (pose(forced, step, band, p)) {
-    const ConeFrictionSolution &found = cone.solve(nullptr, tolerance);
+    // One step after the other has nearly the same forces.
+    guess = force;
+    mode.turnForth(*problem, guess);
+    const bool isKnown = std::any_of(guess.begin(), guess.end(), [](double f) { return f != 0; });
+    const ConeFrictionSolution &found = cone.solve(isKnown ? guess.data() : nullptr, tolerance);
     if (!found.solved)
       return false;
     force = found.force;

@@ -58,6 +58,7 @@ struct SpatialFrozenPhase::Workspace {
   double tau = 0, scale = 0;                          // scale: largest velocity
   std::vector<double> velocity, impulse;              // c2 (less Newton's target) and c3; total impulses
   std::vector<double> force, acceleration, turnover;  // λ, w = D λ, Σ |D λ|
+  std::vector<double> guess;                          // of λ
   std::vector<int> leaving;                           // rows whose force has just reached a limit: 1 or −1, by its side
   std::vector<Watch> watches;
   Eigen::VectorXd state, zeroState;  // P − P(begin of the step), ∫ c2 dτ
