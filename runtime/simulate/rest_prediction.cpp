@@ -27,6 +27,8 @@ constexpr double shortestWait = 2, longestWait = 1e3;
 // After a prediction of another point than the last one, or none, which happens again and again where impacts run through many contacts,
 // so many impacts are let pass at most: of many contacts, a prediction of which costs as much as many impacts, the square of their number.
 constexpr int shortestLimit = 15, longestLimit = 255;
+// Impacts that end the hops within which others come to rest are few: these are let pass where there are many contacts only.
+constexpr int shortestOuterLimit = 1;
 // The next prediction is made when this share of the time is left: no usual coefficient of restitution, or rounding would decide.
 constexpr double nextShare = 0.51;
 
@@ -407,9 +409,9 @@ bool RestPrediction::differentiate(double time, const double *state, Sensitiviti
   return isGood;
 }
 
-int RestPrediction::longerPause(int pause) const {
+int RestPrediction::longerPause(int pause, int limit) const {
   const int contacts = rows_.normalCount();
-  return std::min(2 * pause + 1, std::clamp(contacts * contacts, shortestLimit, longestLimit));
+  return std::min(2 * pause + 1, std::clamp(contacts * contacts * limit / shortestLimit, limit, longestLimit));
 }
 
 // Times are as exact as a part of the run, and of some times the impacts' duration.
@@ -482,7 +484,7 @@ const RestPoint *RestPrediction::afterImpacts(const LastImpact &impact) {
     ofImpacts_.forget();
     nearest_.clear();
     // Impacts of many contacts may go on for long without a repeating sequence, which is costly to find out.
-    pause_ = longerPause(pause_);
+    pause_ = longerPause(pause_, shortestLimit);
     wait_ = std::min(2 * wait_, longestWait);
     nextAttempt_ = impact.time + wait_ * (impact.time - impact.previous);
     return nullptr;
@@ -499,7 +501,7 @@ const RestPoint *RestPrediction::afterImpacts(const LastImpact &impact) {
   const double resolved = number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), impact.coarseness / timeScale());
   const bool isFirst = ofImpacts_.isEmpty(), isOther = ofImpacts_.add(std::move(nearest));
   if (!isFirst)
-    pause_ = isOther ? longerPause(pause_) : 0;
+    pause_ = isOther ? longerPause(pause_, shortestLimit) : 0;
   const RestPoint *point = pointOf(ofImpacts_, impact, resolved);
   if (point != nullptr)
     pause_ = 0;
@@ -517,12 +519,12 @@ const RestPoint *RestPrediction::afterAccumulations(const LastImpact &impact, co
   RestEstimate outer;
   if (!makeEstimate(impact, Accumulation::OfAccumulations, outer)) {
     ofAccumulations_.forget();
-    outerPause_ = longerPause(outerPause_);
+    outerPause_ = longerPause(outerPause_, shortestOuterLimit);
     return nullptr;
   }
   if (!ofAccumulations_.isWanted(outer.remaining))
     return nullptr;
-  outerPause_ = ofAccumulations_.add(std::move(outer)) ? longerPause(outerPause_) : 0;
+  outerPause_ = ofAccumulations_.add(std::move(outer)) ? longerPause(outerPause_, shortestOuterLimit) : 0;
   return pointOf(ofAccumulations_, impact, std::numeric_limits<double>::epsilon());
 }
 

@@ -78,7 +78,7 @@ private:
   bool refine(double time, const double *state, RestEstimate &estimate);
   bool follow(const std::vector<double> &coefficients, double time, const double *state, RestEstimate &estimate);
   bool differentiate(double time, const double *state, Sensitivities &sensitivities, RestEstimate &estimate);
-  [[nodiscard]] int longerPause(int pause) const;
+  [[nodiscard]] int longerPause(int pause, int limit) const;
   const RestPoint *afterImpacts(const LastImpact &impact);
   const RestPoint *afterAccumulations(const LastImpact &impact, const std::vector<Approach> &approaches);
   bool makeEstimate(const LastImpact &impact, Accumulation wanted, RestEstimate &estimate);
