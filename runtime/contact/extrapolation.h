@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -22,9 +23,11 @@ public:
     firstRate_ = f0;
   }
 
-  // Over h; result in end(). False: two successive extrapolations do not agree to `accuracy` (largest entry), or f failed.
+  // Over h; result in end(). False: two successive extrapolations do not agree to `accuracy` (largest entry) and are not about to, or f
+  // failed.
   template <class Equation> bool step(double h, double accuracy, Equation &equation) {
     error_ = std::numeric_limits<double>::infinity();
+    shorter_ = 0.5;
     for (int k = 0; k < columns; ++k) {
       if (!midpoint(h, substeps[static_cast<std::size_t>(k)], equation)) {
         error_ = std::numeric_limits<double>::infinity();
@@ -44,23 +47,39 @@ public:
         error_ = std::numeric_limits<double>::infinity();
         return false;
       }
+      const double before = error_;
       if (k > 1)
         error_ = (carried_ - table_[static_cast<std::size_t>(k - 1)]).template lpNorm<Eigen::Infinity>();
       if (k > 1 && error_ <= accuracy)
         return true;
+      if (k > 2 && !converges(before, k, accuracy))
+        return false;
     }
     return false;
   }
   [[nodiscard]] const Eigen::VectorXd &end() const { return carried_; }
   // Difference of the last two extrapolations; infinite where f failed.
   [[nodiscard]] double error() const { return error_; }
-  // Columns of the table that were needed: few say that the step may be longer.
-  [[nodiscard]] int used() const { return used_; }
+  // By how many times the next step may be longer, from the columns of the table that this one needed.
+  [[nodiscard]] double longer() const { return used_ <= 3 ? 6 : used_ <= 4 ? 3 : used_ <= 6 ? 2 : 1; }
+  // Which part of a step that failed to try next.
+  [[nodiscard]] double shorter() const { return shorter_; }
 
   static constexpr int columns = 8;
 
 private:
   static constexpr std::array<int, columns> substeps = {2, 6, 10, 14, 22, 34, 50, 70};
+
+  // Column k has brought the error down from `before` so fast that the last one may reach the accuracy.
+  bool converges(double before, int k, double accuracy) {
+    constexpr double hopeless = 1e3, shortest = 0.1;
+    const double rate = error_ / before;
+    const double last = rate < 1 ? error_ * std::pow(rate, columns - 1 - k) : error_;
+    if (last <= hopeless * accuracy)
+      return true;
+    shorter_ = rate < 1 ? std::clamp(std::pow(accuracy / last, 1.0 / (2 * columns)), shortest, 0.5) : 0.25;
+    return false;
+  }
 
   template <class Equation> bool midpoint(double h, int count, Equation &equation) {
     const double part = h / count;
@@ -87,7 +106,7 @@ private:
   Eigen::VectorXd begin_, firstRate_, rate_, after_, change_, carried_, previous_;
   std::array<Eigen::VectorXd, columns> table_;
   int used_ = 0;
-  double error_ = 0;
+  double error_ = 0, shorter_ = 0.5;
 };
 
 }  // namespace tf::runtime

@@ -170,10 +170,29 @@ double SpatialFrozenPhase::Workspace::slope(const Watch &watch) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+// What the value is rounded relative to.
+double SpatialFrozenPhase::Workspace::sizeOf(const Watch &watch) const {
+  switch (watch.kind) {
+  case Watch::Kind::HeldLow:
+  case Watch::Kind::HeldHigh:
+    return problem->rate[watch.index];
+  case Watch::Kind::Stick:
+    return problem->friction[watch.index] * problem->rate[problem->owner[watch.index]];
+  case Watch::Kind::Normal:
+  case Watch::Kind::Slip:
+  case Watch::Kind::PairSlip:
+  case Watch::Kind::StoredImpulse:
+  case Watch::Kind::StoredWork:
+    break;
+  }
+  return scale;
+}
+
 // The length of the step at whose end the value is zero: it is positive for short steps and negative at `high`, the last one. Newton's
 // method where the slope is known, else regula falsi (Illinois). 0: shorter steps fail.
 double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
   constexpr double resolution = 2e-16;
+  const double rounding = 1e-16 * sizeOf(watch);
   double low = 0, lowValue = 0, x = high, v = value(watch, high), highValue = v;
   bool known = false;  // the value at `low`
   int side = 0;
@@ -200,7 +219,7 @@ double SpatialFrozenPhase::Workspace::locate(const Watch &watch, double high) {
     if (!integrate(x) && !nearlyIntegrated())
       return 0;
     v = value(watch, x);
-    if (std::abs(v) <= 1e-16 * scale)
+    if (std::abs(v) <= rounding)
       return x;
     if (v > 0) {
       low = x;
@@ -301,11 +320,11 @@ bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch
   if (!std::isfinite(h))
     h = longPiece();
   for (int k = 0; !integrate(h); ++k) {
-    h *= 0.5;
+    h *= integrator.shorter();
     if (k > 60)
       return false;
   }
-  nextLength = integrator.used() <= 6 ? 2 * h : h;
+  nextLength = integrator.longer() * h;
   for (int k = 0; !findEvent(h, event, found); ++k) {
     if (startsAtLimits)
       return false;

@@ -122,6 +122,7 @@ struct SpatialFrozenPhase::Workspace {
   void solve(Eigen::VectorXd &x) const;
   bool integrate(double h);
   [[nodiscard]] double slope(const Watch &watch) const;
+  [[nodiscard]] double sizeOf(const Watch &watch) const;
   // The last step has missed the accuracy by little, as steps that end at an event may.
   [[nodiscard]] bool nearlyIntegrated() const { return integrator.error() <= 1e3 * accuracy * scale / responsiveness(); }
   bool findEvent(double &h, Watch &event, bool &found);

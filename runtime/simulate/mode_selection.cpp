@@ -46,7 +46,7 @@ void ModeSelection::listTouching(const double *state, const Mode *hopping) {
   grazes_ = grazes_ && std::any_of(grazingSpeed_.begin(), grazingSpeed_.end(), [](double speed) { return speed != 0; });
   forEachSet(at_.screen().awake(), model.nc, [&](int i) {
     const bool hops = hopping != nullptr && hopping->closed[i] == 0 && at_.gap[i] > lowestHop * at_.scales.gap(i, state);
-    if (at_.gap[i] <= closedGap(i, state) && !hops)
+    if (at_.gap[i] <= closedGap(i, state) && !hops && !staysOpen(i, state))
       touching_.push_back(i);
   });
   if (touching_.empty())
@@ -74,7 +74,7 @@ void ModeSelection::removeGrazing(const double *state) {
     const double scale = at_.scales.gap(i, state), least = at_.gap[i] + deepestGrazing * scale, rate = at_.gapRate[i];
     if (!slowMask_[i])
       return false;
-    if (-rate <= hardly * grazingSpeed_[i] && at_.gap[i] >= -deepestJam * scale)
+    if (-rate <= hardly * std::abs(grazingSpeed_[i]) && at_.gap[i] >= -deepestJam * scale)
       return true;
     if (!(least >= 0))
       return false;
@@ -100,6 +100,25 @@ bool ModeSelection::letGraze(const double *state) {
       grazingSpeed_[i] = -at_.gapRate[i];
   grazes_ = grazes_ || mayGraze;
   return mayGraze;
+}
+
+// A body falls into a place that it just fits, and rests on both sides of it already, as near as the tolerance tells: there its weight has
+// no lever to lift it by.
+bool ModeSelection::keepOpen(const std::vector<int> &contacts, const double *state) {
+  constexpr double slow = 1e-8;
+  bool isAny = false;
+  for (const int i : contacts)
+    if (std::binary_search(touching_.begin(), touching_.end(), i) && at_.gap[i] >= -deepestJam * at_.scales.gap(i, state)) {
+      grazingSpeed_[i] = -slow / tolerances_.velocity * stillRate(i, state);
+      isAny = true;
+    }
+  grazes_ = grazes_ || isAny;
+  return isAny;
+}
+
+bool ModeSelection::staysOpen(int contact, const double *state) const {
+  return grazes_ && grazingSpeed_[contact] < 0 && at_.gapRate[contact] >= grazingSpeed_[contact] &&
+         at_.gap[contact] >= -deepestJam * at_.scales.gap(contact, state);
 }
 
 // Gaps, slips and constraints may depend on switches of time, whose conditions may depend on other switches in turn.

@@ -69,7 +69,10 @@ public:
   // The contacts in approaching(), which no impulse can part, graze as long as they are hardly faster and their gaps are hardly below zero.
   // False: they already are further below, or not all approach slowly.
   bool letGraze(const double *state);
-  // What letGraze has noted [nc]: no contacts with a run's start, and a part of what it is continued with.
+  // Those of the contacts that touch, where they have no forces without a frictional impulse that changes nothing, stay open as if they
+  // grazed, as long as they do. False: they are none.
+  bool keepOpen(const std::vector<int> &contacts, const double *state);
+  // What letGraze and keepOpen (negative) have noted [nc]: no contacts with a run's start, and a part of what it is continued with.
   [[nodiscard]] std::vector<double> &grazingSpeeds() {
     grazes_ = true;
     return grazingSpeed_;
@@ -99,6 +102,7 @@ private:
 
   void listTouching(const double *state, const Mode *hopping = nullptr);
   void removeGrazing(const double *state);
+  [[nodiscard]] bool staysOpen(int contact, const double *state) const;
   void startInertSlips(const double *state);
   Trial tryAssignments(double time, const double *state);
   Trial tryRests(double time, const double *state);
