@@ -293,7 +293,7 @@ void ForceSet::loadLimit(int l) {
   length_[k + l] = limit.length;
 }
 
-// Of the loads in φ forces are a part, in free fall none. What rounding leaves of them there is not compared with itself.
+// The least force that is compared with others: in free fall φ is what rounding leaves of loads that cancel, and its forces are none.
 double ForceSet::weightlessForce() const {
   constexpr double weightless = 1e-6;
   double force = 0;

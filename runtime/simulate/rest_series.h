@@ -35,8 +35,9 @@ public:
   // Of states of so many numbers and so many switches.
   RestSeries(int stateSize, int switchCount) : size_(stateSize), changed_(switchCount), alternates_(switchCount) {}
 
-  // The estimates; those of switches with restart() only.
+  // Drops the estimates.
   void forget();
+  // As well as what switches have done.
   void restart();
   // A switch has changed its side.
   void recordSwitch(int index) { changed_[index] = 1; }
@@ -47,7 +48,7 @@ public:
   [[nodiscard]] bool alternates() const;
   // The one between the two latest estimates.
   [[nodiscard]] bool alternates(int index) const { return alternates_[index] != 0; }
-  // The estimate takes part in the next extrapolation.
+  // An estimate with this T adds something: it is the first one, much nearer to the point than the last one, or of an earlier course.
   [[nodiscard]] bool isWanted(double remaining) const;
   // True: it is one of another point, or of an earlier course of the motion, and those before it are dropped.
   bool add(RestEstimate estimate);
@@ -55,9 +56,10 @@ public:
   // True if the best extrapolation of the latest estimates (of two or more) agrees with the one of one estimate fewer, and with that of the
   // last time, to `tolerance`, relative to max(scale, |y|) [n] and of the time to `timeScale`.
   bool extrapolate(double tolerance, const double *scale, double timeScale);
-  // Then: the point. Its derivatives are those of derivativesAgree: whether they, `columns` of each number, are as well known as
-  // differences allow, nearly the same with one estimate fewer.
+  // The point, once extrapolate has found it.
   [[nodiscard]] const RestPoint &point() const { return point_; }
+  // Gives it its derivatives by so many parameters. True: they are as well known as differences allow, nearly the same with one estimate
+  // fewer.
   bool derivativesAgree(double tolerance, int columns);
 
 private:
