@@ -50,7 +50,8 @@ struct ContactRows {
 struct ContactProblem : ContactRows {
   DenseMatrix delassus;      // D: (n + m) × (n + m)
   std::vector<double> bias;  // φ: n + m
-  // √(aᵀ M a), a the acceleration without the forces: |φ_r|/√D_rr without its bias is no larger, and rounded to this. 0: not known.
+  // √(aᵀ M a), a the acceleration without the forces, in the units of φ_r/√D_rr: the part of these that a makes is no larger
+  // (Cauchy–Schwarz), and where loads cancel the rest is rounded relative to it. 0: not known.
   double load = 0;
 
   // D and φ are zero afterwards, and there is no load.

@@ -69,25 +69,15 @@ void FrozenMode::turn(const FrozenProblem &problem, DenseMatrix &delassus) const
       turnRows(delassus, problem.normalCount + j, direction[j], direction[j + 1]);
 }
 
-void FrozenMode::turnForth(const FrozenProblem &problem, std::vector<double> &forces) const {
+void FrozenMode::turnForces(const FrozenProblem &problem, double sense, std::vector<double> &forces) const {
   for (int j = 0; j < problem.tangentCount; ++j) {
     if (problem.partner[j] < j)
       continue;
+    const double c = direction[j], s = sense * direction[j + 1];
     double &first = forces[problem.normalCount + j], &second = forces[problem.normalCount + j + 1];
-    const double along = direction[j] * first + direction[j + 1] * second;
-    second = direction[j] * second - direction[j + 1] * first;
+    const double along = c * first + s * second;
+    second = c * second - s * first;
     first = along;
-  }
-}
-
-void FrozenMode::turnBack(const FrozenProblem &problem, std::vector<double> &forces) const {
-  for (int j = 0; j < problem.tangentCount; ++j) {
-    if (problem.partner[j] < j)
-      continue;
-    double &first = forces[problem.normalCount + j], &second = forces[problem.normalCount + j + 1];
-    const double x = direction[j] * first - direction[j + 1] * second;
-    second = direction[j + 1] * first + direction[j] * second;
-    first = x;
   }
 }
 

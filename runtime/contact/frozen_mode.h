@@ -28,10 +28,9 @@ public:
   // Of the pair that begins with j, unless the vector is zero.
   void setDirection(int j, double x, double y);
 
-  // D with the pairs that slip turned into their directions; forces into these frames and back.
+  // D with the pairs that slip turned into their directions; forces (n + m) into these frames (sense 1) or back (−1).
   void turn(const FrozenProblem &problem, DenseMatrix &delassus) const;
-  void turnForth(const FrozenProblem &problem, std::vector<double> &forces) const;
-  void turnBack(const FrozenProblem &problem, std::vector<double> &forces) const;
+  void turnForces(const FrozenProblem &problem, double sense, std::vector<double> &forces) const;
 
   // λ (n + m) at the velocities (n + m). The direction of friction is v_t/‖v_t‖ continued through zero along the reference direction, which
   // it is below `rest`. Redundant rows: the forces nearest to those of `refer`. False where they are not finite.

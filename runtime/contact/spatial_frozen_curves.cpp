@@ -274,26 +274,26 @@ bool SpatialFrozenPhase::Workspace::settleStop(const Watch &event, double &h, bo
   return false;
 }
 
-// The first event in the step h, which becomes its end. False: it cannot be located.
-bool SpatialFrozenPhase::Workspace::findEvent(double &h, Watch &event, bool &found) {
-  found = startsAtLimits = false;
+// The first event in the step h, which becomes its end.
+SpatialFrozenPhase::Workspace::Search SpatialFrozenPhase::Workspace::findEvent(double &h, Watch &event, bool &found) {
+  found = false;
   for (std::size_t again = 0; again <= watches.size(); ++again) {
     const auto fallen = std::find_if(watches.begin(), watches.end(), [&](const Watch &watch) {
       return value(watch, h) < 0 && !(found && watch.kind == event.kind && watch.index == event.index);
     });
     if (fallen == watches.end())
       break;
-    startsAtLimits = found && h * largestChange <= instant * scale;
-    if (startsAtLimits)
-      return false;
+    if (found && h * largestChange <= instant * scale)
+      return Search::StartsAtLimits;
     event = *fallen;
     found = true;
     const double located = locate(event, h);
     if (!(located > 0) || (!integrate(located) && !nearlyIntegrated()))
-      return false;
+      return Search::Failed;
     h = located;
   }
-  return !found || event.kind != Watch::Kind::Normal || std::abs(value(event, h)) <= stillSpeed;
+  const bool isExact = !found || event.kind != Watch::Kind::Normal || std::abs(value(event, h)) <= stillSpeed;
+  return isExact ? Search::Done : Search::Failed;
 }
 
 // The direction of some slip that is not about zero at either end has changed by more than 40° in the step.
@@ -325,8 +325,9 @@ bool SpatialFrozenPhase::Workspace::curve(double estimate, bool slipStops, Watch
       return false;
   }
   nextLength = integrator.longer() * h;
-  for (int k = 0; !findEvent(h, event, found); ++k) {
-    if (startsAtLimits)
+  Search search = findEvent(h, event, found);
+  for (int k = 0; search != Search::Done; search = findEvent(h, event, found), ++k) {
+    if (search == Search::StartsAtLimits)
       return false;
     do
       h *= 0.5;

@@ -54,7 +54,7 @@ bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double b
   if (pose(forced, step, band, p)) {
     // One step after the other has nearly the same forces.
     guess = force;
-    mode.turnForth(*problem, guess);
+    mode.turnForces(*problem, 1, guess);
     const bool isKnown = std::any_of(guess.begin(), guess.end(), [](double f) { return f != 0; });
     const ConeFrictionSolution &found = cone.solve(isKnown ? guess.data() : nullptr, tolerance);
     if (!found.solved)
@@ -69,7 +69,7 @@ bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double b
     force = found.force;
     motionless = solved;
   }
-  mode.turnBack(*problem, force);
+  mode.turnForces(*problem, -1, force);
   return true;
 }
 

@@ -69,7 +69,6 @@ struct SpatialFrozenPhase::Workspace {
   double stepPart = 0;
   double integratedLength = 0;  // of the last step; 0: none
   bool isIntegrated = false;    // it was accepted
-  bool startsAtLimits = false;  // in the last search for an event, several forces were beyond their limits from the begin of the step on
   double nextLength = 0;
   double roundingSpeed = 0;    // velocities below are within rounding of zero
   double stillSpeed = 0;       // slips below come to rest, or start
@@ -125,7 +124,9 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] double sizeOf(const Watch &watch) const;
   // The last step has missed the accuracy by little, as steps that end at an event may.
   [[nodiscard]] bool nearlyIntegrated() const { return integrator.error() <= 1e3 * accuracy * scale / responsiveness(); }
-  bool findEvent(double &h, Watch &event, bool &found);
+  // StartsAtLimits: several forces are beyond their limits from the begin of the step on. Failed: the event cannot be located.
+  enum class Search : std::uint8_t { Done, StartsAtLimits, Failed };
+  Search findEvent(double &h, Watch &event, bool &found);
   double locate(const Watch &watch, double high);
   bool curve(double estimate, bool slipStops, Watch &event, bool &found);
   [[nodiscard]] bool turnsFar() const;

@@ -9,7 +9,8 @@ namespace tf::runtime {
 void ContactSystem::setBias(const ModelEvaluation &at, double *freeAcceleration) {
   at.mobility.accelerate(at.force.data(), at.constraintBias.data(), freeAcceleration);
   rows.bias(at, freeAcceleration, problem.bias);
-  problem.load = std::sqrt(std::abs(dot(at.force.data(), freeAcceleration, at.model().nv)));
+  if (problem.load == 0)
+    problem.load = std::sqrt(std::abs(dot(at.force.data(), freeAcceleration, at.model().nv)));
 }
 
 std::vector<double> ContactSystem::settle(const SettledForces &settled, const ContactMode &mode) {

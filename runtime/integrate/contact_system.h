@@ -34,7 +34,7 @@ struct ContactSystem {
   void gather(const ModelEvaluation &at) { rows.gather(at, problem); }
   // D;
   void respond(const ModelEvaluation &at) { rows.respond(at, problem.delassus); }
-  // the acceleration without the forces of the rows [nv], φ and its load.
+  // the acceleration without the forces of the rows [nv], φ and, where the rows have just been chosen, its load.
   void setBias(const ModelEvaluation &at, double *freeAcceleration);
   // φ of the rows that do not slip becomes that with which these forces hold them exactly, in the problem nearby where they do. Returns the
   // forces of the rows.

@@ -458,13 +458,13 @@ double RestPrediction::timeByRounding(const std::vector<Approach> &approaches) c
 const RestPoint *RestPrediction::afterImpact(double time, const std::vector<Approach> &approaches, const double *state,
                                              const std::vector<double> &accumulated, double tolerance, const double *scale,
                                              Sensitivities *sensitivities) {
-  const LastImpact impact = {time, lastImpact_, state, accumulated, tolerance, scale, sensitivities, timeByRounding(approaches)};
+  const LastImpact impact = {time, lastImpact_, approaches, state, accumulated, tolerance, scale, sensitivities};
   if (!recordImpact(time, approaches))
     return nullptr;
   if (time >= nextAttempt_ && ++passed_ > pause_)
     if (const RestPoint *point = afterImpacts(impact); point != nullptr)
       return point;
-  return afterAccumulations(impact, approaches);
+  return afterAccumulations(impact);
 }
 
 bool RestPrediction::makeEstimate(const LastImpact &impact, Accumulation wanted, RestEstimate &estimate) {
@@ -479,6 +479,7 @@ bool RestPrediction::makeEstimate(const LastImpact &impact, Accumulation wanted,
 
 const RestPoint *RestPrediction::afterImpacts(const LastImpact &impact) {
   passed_ = 0;
+  const double coarseness = timeByRounding(impact.approaches);
   RestEstimate nearest;
   if (!makeEstimate(impact, Accumulation::OfImpacts, nearest)) {
     ofImpacts_.forget();
@@ -498,7 +499,7 @@ const RestPoint *RestPrediction::afterImpacts(const LastImpact &impact) {
   // Times and gaps are resolved to rounding, and speeds with them: those of so many impacts as are about the size of those that come add up
   // like a random walk, and the time that is left is their number times that between two.
   const double number = nearest.remaining / (impact.time - impact.previous);
-  const double resolved = number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), impact.coarseness / timeScale());
+  const double resolved = number * std::sqrt(number) * std::max(std::numeric_limits<double>::epsilon(), coarseness / timeScale());
   const bool isFirst = ofImpacts_.isEmpty(), isOther = ofImpacts_.add(std::move(nearest));
   if (!isFirst)
     pause_ = isOther ? longerPause(pause_, shortestLimit) : 0;
@@ -509,11 +510,11 @@ const RestPoint *RestPrediction::afterImpacts(const LastImpact &impact) {
 }
 
 // An impact of a contact that bounces lower and lower, but not to the rest that comes next: others come to rest within its hops.
-const RestPoint *RestPrediction::afterAccumulations(const LastImpact &impact, const std::vector<Approach> &approaches) {
+const RestPoint *RestPrediction::afterAccumulations(const LastImpact &impact) {
   const auto goesOn = [this](const Approach &approach) {
     return slowsDown(approach) && !std::binary_search(nearest_.begin(), nearest_.end(), approach.contact);
   };
-  if (nearest_.empty() || std::none_of(approaches.begin(), approaches.end(), goesOn) || ++outerPassed_ <= outerPause_)
+  if (nearest_.empty() || std::none_of(impact.approaches.begin(), impact.approaches.end(), goesOn) || ++outerPassed_ <= outerPause_)
     return nullptr;
   outerPassed_ = 0;
   RestEstimate outer;

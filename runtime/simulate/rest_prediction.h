@@ -52,12 +52,12 @@ private:
   // What afterImpact is called with.
   struct LastImpact {
     double time = 0, previous = 0;  // of it and of the one before
+    const std::vector<Approach> &approaches;
     const double *state = nullptr;
     const std::vector<double> &accumulated;
     double tolerance = 0;
     const double *scale = nullptr;
     Sensitivities *sensitivities = nullptr;
-    double coarseness = 0;  // what times are rounded to
   };
 
   bool recordImpact(double time, const std::vector<Approach> &approaches);
@@ -80,7 +80,7 @@ private:
   bool differentiate(double time, const double *state, Sensitivities &sensitivities, RestEstimate &estimate);
   [[nodiscard]] int longerPause(int pause, int limit) const;
   const RestPoint *afterImpacts(const LastImpact &impact);
-  const RestPoint *afterAccumulations(const LastImpact &impact, const std::vector<Approach> &approaches);
+  const RestPoint *afterAccumulations(const LastImpact &impact);
   bool makeEstimate(const LastImpact &impact, Accumulation wanted, RestEstimate &estimate);
   const RestPoint *pointOf(RestSeries &series, const LastImpact &impact, double resolved);
   [[nodiscard]] bool isSlow(const RestPoint &point) const;

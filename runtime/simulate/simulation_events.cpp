@@ -18,25 +18,28 @@ void Simulation::Implementation::readApproaches() {
 
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, EventHint hint) {
-  constexpr int mostImpulses = 40;
-  int impulses = 0;  // frictional ones, one after the other
+  constexpr int mostPasses = 50, mostImpulses = 40;
+  int impulses = 0;  // frictional ones; so many have changed nothing
   approaches_.clear();
-  arrived_.clear();
   // An impulse, which makes another pass, makes another normal force, and touching contacts move.
-  for (int pass = 0; pass < 50; ++pass, hint.forceless = -1, hint.keepsOpen = false) {
+  for (int pass = 0; pass < mostPasses; ++pass, hint.forceless = -1, hint.keepsOpen = false) {
     const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
     switch (selection.status) {
     case SelectionStatus::Impact:
       if (pass == 0)
         readApproaches();
-      arrived_ = selection_.approaching();
       if (const tf_status status = freeze(transitions, -1); status != TF_OK)
         return status;
       continue;
     case SelectionStatus::FrictionalImpulse:
-      if (++impulses % mostImpulses == 0 && selection_.keepOpen(arrived_, state_.data()))
-        continue;
+      if (++impulses == mostImpulses) {
+        std::vector<int> arrived;
+        for (const Approach &approach : approaches_)
+          arrived.push_back(approach.contact);
+        if (selection_.keepOpen(arrived, state_.data()))
+          continue;
+      }
       if (const tf_status status = freeze(transitions, selection.contact); status != TF_OK)
         return status;
       continue;

@@ -88,7 +88,6 @@ public:
   // workspaces
   std::vector<Transition> transitions_;
   std::vector<Approach> approaches_;  // before the event
-  std::vector<int> arrived_;          // contacts of the last impact of the event
   std::vector<int> frozenContacts_, frozenApproaching_;
   Mode restingMode_;
   std::vector<std::uint8_t> mayStop_;  // nt: slips that may become zero after an impact
