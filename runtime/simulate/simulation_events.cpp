@@ -35,6 +35,7 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
     case SelectionStatus::FrictionalImpulse:
       if (++impulses == mostImpulses) {
         std::vector<int> arrived;
+        arrived.reserve(approaches_.size());
         for (const Approach &approach : approaches_)
           arrived.push_back(approach.contact);
         if (selection_.keepOpen(arrived, state_.data()))
