@@ -303,6 +303,14 @@ double ForceSet::weightlessForce() const {
   return force;
 }
 
+double ForceSet::largestLoad() const {
+  double force = weightlessForce();
+  for (const int row : equations_.active())
+    if (const double response = (*rows_.delassus)(row, row); response > 0)
+      force = std::max(force, std::abs(rows_.bias[row]) / response);
+  return force;
+}
+
 void ForceSet::loadPolyhedron() {
   const int k = activeCount(), limits = static_cast<int>(limits_.size());
   polyhedron_.resize(k, k, limits);

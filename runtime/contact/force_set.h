@@ -115,6 +115,8 @@ public:
   [[nodiscard]] const std::vector<double> &forces() const { return forces_; }
   [[nodiscard]] const std::vector<double> &accelerations();
   [[nodiscard]] double forceScale() const { return forceScale_; }
+  // The largest of the forces that would hold one active row each, at least what is nothing against the load; the others have no force.
+  [[nodiscard]] double largestLoad() const;
 
 private:
   void view(const ContactProblem &problem);

@@ -25,6 +25,14 @@ bool slipsWithFriction(const ContactProblem &problem, const ContactMode &mode) {
   return false;
 }
 
+// Slips of two components do.
+bool slipsTurn(const ContactProblem &problem) {
+  for (int j = 0; j < problem.tangentCount; ++j)
+    if (problem.partner[j] > j && problem.slipSign[j] != 0)
+      return true;
+  return false;
+}
+
 }  // namespace
 
 struct ModeForces::Workspace {
@@ -41,11 +49,9 @@ struct ModeForces::Workspace {
   double takenDeterminant = 1;
 
   void beginPressing(const ContactProblem &at) {
-    pressing.end = PressingMargin::behind;
-    for (int j = 0; j < at.tangentCount; ++j)
-      if (at.partner[j] > j && at.slipSign[j] != 0)
-        pressing.end = PressingMargin::before;
-    set->factor().inverseDeterminant(pressing.inverseDeterminant);
+    pressing.end = slipsTurn(at) ? PressingMargin::before : PressingMargin::behind;
+    if (!redundant)
+      set->factor().inverseDeterminant(pressing.inverseDeterminant);
     pressing.scale = 0;
     for (const double force : set->forces())
       pressing.scale = std::max(pressing.scale, std::abs(force));
@@ -57,17 +63,28 @@ struct ModeForces::Workspace {
       margins.push_back({{ModeMargin::commonSlack, 0}, false});
     for (std::size_t k = 0; conic && set->isInside() && k < set->limits().size(); ++k)
       margins.push_back({set->limits()[k], false});
-    if (conic) {
-      values.resize(margins.size());
-      return;
-    }
-    for (std::size_t k = 0; k < set->limits().size(); ++k)
+    for (std::size_t k = 0; !conic && k < set->limits().size(); ++k)
       margins.push_back({set->limits()[k], redundant && set->saturated(static_cast<int>(k)) >= 0});
-    if (redundant && set->mayContradict())
+    if (redundant && !conic && set->mayContradict())
       margins.push_back({{ModeMargin::contradiction, 0}, false});
     if (mayPress)
       margins.push_back({{ModeMargin::pressing, 0}, false});
     values.resize(margins.size());
+  }
+  // What redundant rows have instead of a determinant: the ratio of their largest load to all normal forces passes through zero, too, where
+  // these grow beyond all bounds. 1 where they are no more than the load.
+  [[nodiscard]] double loadOverForces() const {
+    constexpr double large = 10;
+    double sum = 0;
+    for (int i = 0; i < problem->normalCount; ++i)
+      sum += set->forces()[i];
+    const double load = set->largestLoad();
+    return sum > load || sum < -large * load ? load / sum : 1;
+  }
+  [[nodiscard]] double relativeDeterminant() const {
+    if (redundant)
+      return loadOverForces();
+    return isTaken ? takenDeterminant : set->factor().determinantTimes(pressing.inverseDeterminant);
   }
   // Margins are computed when they are read.
   void setProblem(const ContactProblem &at) {
@@ -82,7 +99,7 @@ struct ModeForces::Workspace {
     case ModeMargin::contradiction:
       return set->forceScale() * (1 - set->contradiction() / allowed);
     case ModeMargin::pressing:
-      return pressing.value(isTaken ? takenDeterminant : set->factor().determinantTimes(pressing.inverseDeterminant));
+      return pressing.value(relativeDeterminant());
     default:
       break;
     }
@@ -119,7 +136,7 @@ bool ModeForces::start(const ContactProblem &problem, const ContactMode &mode, s
   }
   w.allowed = contradiction;
   acceptContradiction();
-  w.mayPress = !w.redundant && valid && slipsWithFriction(problem, mode);
+  w.mayPress = valid && slipsWithFriction(problem, mode) && (!w.redundant || slipsTurn(problem));
   if (w.mayPress)
     w.beginPressing(problem);
   w.listMargins();
@@ -174,7 +191,7 @@ const PressingMargin &ModeForces::pressing() const { return work_->pressing; }
 
 MarginOutcome ModeForces::cross(int margin) {
   Workspace &w = *work_;
-  if (!w.redundant || w.margins[margin].limit.row == ModeMargin::contradiction)
+  if (const int row = w.margins[margin].limit.row; !w.redundant || row == ModeMargin::contradiction || row == ModeMargin::pressing)
     return MarginOutcome::ModeEnds;
   bool exists = true;
   if (w.set->isConic()) {

@@ -15,7 +15,8 @@ namespace tf::runtime {
 // An inequality that holds in the mode; it ends, or its representative changes, where the value falls to zero.
 struct ModeMargin {
   // Rows of limits that are not one row's: the largest common slack of all limits; what redundant rows may still contradict one another
-  // by; how far slips are from pressing their contacts in: the determinant of the forces' matrix, relative to the begin of the mode.
+  // by; how far slips are from pressing their contacts in: the determinant of the forces' matrix, relative to the begin of the mode, or
+  // what redundant rows have instead.
   static constexpr int commonSlack = -1, contradiction = -2, pressing = -3;
   ForceLimit limit;
   bool multiplier = false;  // the limit is saturated: the value is its multiplier, and zero means that the representative leaves it

@@ -504,7 +504,11 @@ int ModeDynamics::jammedContact(double pressing) {
   for (const Jam &jam : jammedNormals(problem_, contactMode_))
     if (!(closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_))
       return rows_.contacts()[jam.row];
-  return -1;
+  if (!isBeyondSharedPole())
+    return -1;
+  // Of redundant contacts that jam one another each may be right alone.
+  const auto normals = rowForces().first(rows_.normalCount());
+  return rows_.contacts()[std::max_element(normals.begin(), normals.end()) - normals.begin()];
 }
 
 bool ModeDynamics::stop(double time, double *state, const double *scale) {

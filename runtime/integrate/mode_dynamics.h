@@ -115,6 +115,8 @@ public:
   bool isHeldAtRest(double time, const double *state, const double *rate, const double *scale);
   // Slips of two components turn beside a force that they may press to a pole, beyond which implicit equations have solutions, too.
   [[nodiscard]] bool mayTurnBeyondPole() const;
+  // The determinant of the forces' matrix is not much smaller than at the begin of the mode (of one that may press, where it was 1).
+  [[nodiscard]] bool isClearOfPole() const;
   // At the state of the last evaluation nothing moves, and neither does anything for states, parameters and inputs nearby that the mode
   // holds at rest: whatever the forces, its rows leave no acceleration.
   bool restsByItsRows(const double *state);
@@ -204,7 +206,9 @@ public:
 
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }
-  void renewDirections(double time, const double *state) { slips_.renew(time, state); }
+  bool renewDirections(double time, const double *state) { return slips_.renew(time, state); }
+  // Of the Force guards at the last evaluation the one that is farthest below zero, by more than `part` of its scale; −1: none.
+  [[nodiscard]] int brokenForce(double part) const;
   void holdDirections(double part) { slips_.hold(part); }
   bool holdStartingDirections(double part) { return slips_.holdStarts(part); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
@@ -276,6 +280,8 @@ private:
   void completeRows();
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
+  // Redundant contacts together press themselves in: their forces have grown beyond all bounds, or changed their signs there.
+  [[nodiscard]] bool isBeyondSharedPole() const;
   [[nodiscard]] std::span<const double> marginValues() const { return isFolded_ ? folded_.marginValues() : forces_.marginValues(); }
   bool solveSliding();
   // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D;

@@ -196,6 +196,8 @@ void ModeDynamics::guardValues(std::span<const int> guards, double *values, doub
 }
 
 bool ModeDynamics::isPole(int guard) const {
+  if (isBeyondSharedPole())
+    return true;
   const double begin = guards_[guard].scale;
   if (forces_.margins()[guards_[guard].index].limit.row != ModeMargin::pressing) {
     constexpr double zero = 0.1;  // near a pole that is not far from a zero, a projected state has forces of some such size
@@ -206,6 +208,8 @@ bool ModeDynamics::isPole(int guard) const {
   return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
 }
 
+bool ModeDynamics::isBeyondSharedPole() const { return forces_.redundant() && forces_.mayPress() && marginValues().back() <= 0; }
+
 bool ModeDynamics::isAtPole() const {
   constexpr double rounding = 1e-9;  // of the determinant, relative to the begin of the mode
   return rows_.count() > 0 && forces_.mayPress() && marginValues().back() <= rounding * forces_.pressing().scale;
@@ -213,6 +217,22 @@ bool ModeDynamics::isAtPole() const {
 
 bool ModeDynamics::mayTurnBeyondPole() const {
   return !slips_.empty() && forces_.mayPress() && forces_.pressing().end == PressingMargin::before;
+}
+
+bool ModeDynamics::isClearOfPole() const {
+  constexpr double clear = 1e-4;
+  return marginValues().back() > clear * forces_.pressing().scale;
+}
+
+int ModeDynamics::brokenForce(double part) const {
+  int worst = -1;
+  double least = -part;
+  for (std::size_t k = gapGuardCount_; k < guards_.size(); ++k)
+    if (const Guard &guard = guards_[k]; guard.kind == GuardKind::Force && readGuard(guard) < least * guard.scale) {
+      least = readGuard(guard) / guard.scale;
+      worst = static_cast<int>(k);
+    }
+  return worst;
 }
 
 int ModeDynamics::contactOfMargin(int margin) const {

@@ -50,9 +50,11 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
     launches_ = launches_ || speed(k) <= 10 * rounding(k);
 }
 
-void SlipDirections::renew(double time, const double *state) {
+bool SlipDirections::renew(double time, const double *state) {
+  constexpr double visible = 1e-5;  // of the angle, in radians
   if (pairs_.empty())
-    return;
+    return false;
+  bool jumps = false;
   at_.setPoint(time, state);
   at_.switching(ModelEvaluation::Slips);
   for (Pair &pair : pairs_) {
@@ -62,10 +64,13 @@ void SlipDirections::renew(double time, const double *state) {
     const bool isAstray = speed > still * pair.scale && along(pair) < 0.5 * speed;
     if (speed <= 10 * accuracy_ * pair.scale && !isAstray)
       continue;
+    const double friction = slope(pair), cosine = (along(pair) + friction * across(pair)) / (std::hypot(1, friction) * speed);
+    jumps = jumps || cosine < 1 - 0.5 * visible * visible;
     pair.c = x / speed;
     pair.s = y / speed;
     pair.grows = false;
   }
+  return jumps;
 }
 
 void SlipDirections::hold(double part) {
@@ -182,11 +187,14 @@ double SlipDirections::speed(int pair) const {
 
 // With x along and y across the reference direction, the direction of friction has the slope y/x, which goes on smoothly where x changes
 // its sign. Below the rounding δ of slips the slope falls to 0 as x y/(x² + δ²).
+double SlipDirections::slope(const Pair &pair) const {
+  const double x = along(pair), slow = rounding(pair);
+  return pair.held ? 0 : x * across(pair) / (x * x + slow * slow);
+}
+
 void SlipDirections::align(RowSystem &rows) const {
   for (const Pair &pair : pairs_) {
-    const double x = along(pair), y = across(pair);
-    const double slow = rounding(pair), slope = pair.held ? 0 : x * y / (x * x + slow * slow);
-    const double cosine = 1 / std::sqrt(1 + slope * slope), sine = slope * cosine;
+    const double tangent = slope(pair), cosine = 1 / std::sqrt(1 + tangent * tangent), sine = tangent * cosine;
     rows.setFrame(pair.row, pair.c * cosine - pair.s * sine, pair.s * cosine + pair.c * sine);
   }
 }

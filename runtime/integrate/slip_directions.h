@@ -22,8 +22,8 @@ public:
   // The pairs among `rows` that slip (problem.slipSign ≠ 0), with the reference directions of a new mode that begins at (t, y): those of
   // the slips, or the mode's own where they are zero.
   void choose(const Mode &mode, const RowSystem &rows, const ContactRows &problem, double time, const double *state);
-  // The directions at (t, y) become the reference of the next step.
-  void renew(double time, const double *state);
+  // The directions at (t, y) become the reference of the next step. True: friction jumps with one of them, that of a slow slip.
+  bool renew(double time, const double *state);
   // Turns the rows' frames into the directions at the point of the latest `switching`.
   void align(RowSystem &rows) const;
 
@@ -87,6 +87,8 @@ private:
     bool grows = false, starts = false;  // at the latest `watchGrowth`
   };
 
+  // Slope of friction's direction against the reference, at the point of the latest `switching`.
+  [[nodiscard]] double slope(const Pair &pair) const;
   static void turn(Pair &pair, double cosine, double sine);
   void copySlipsByVelocity();
   [[nodiscard]] bool isSlow(int pair) const;

@@ -61,6 +61,8 @@ public:
   };
   // Ends the integrator's step where the guard is zero, with the step's length as an unknown: to rounding, at the order of the method.
   Location locate(DetectedEvent &event);
+  // After locate(): the force whose zero was to be found is clearly another one there.
+  [[nodiscard]] bool missesZero(const DetectedEvent &event);
   // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed or a force has fallen to zero before the event,
   // which the interpolant had in another order; the event is then that guard's, still to be located.
   bool findEarlier(DetectedEvent &event);

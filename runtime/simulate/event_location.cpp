@@ -78,6 +78,11 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
   return Location::Found;
 }
 
+bool EventDetection::missesZero(const DetectedEvent &event) {
+  return dynamics_.guards()[event.guard].kind == GuardKind::Force &&
+         std::abs(dynamics_.guardValue(event.guard) - level(event.guard)) > threshold(event.guard);
+}
+
 // A slip that has not left zero before the step: it has by now, or it was the interpolant's error that left it, while the step that ends
 // here is still on the other side.
 bool EventDetection::hasJustBegun(int guard, double value) const {
@@ -94,7 +99,7 @@ bool EventDetection::endsNearby(DetectedEvent &event) {
 }
 
 bool EventDetection::findEarlier(DetectedEvent &event) {
-  constexpr double visible = 1e-10, visibleForce = 1e-7;  // relative to the guard's scale
+  constexpr double visible = 1e-10, visibleForce = 1e-7, clearForce = 1e-5;  // relative to the guard's scale
   const auto isOther = [&](int k) {
     const GuardKind kind = dynamics_.guards()[k].kind;
     return k != event.guard && (kind == GuardKind::Gap || kind == GuardKind::Force);
@@ -109,9 +114,10 @@ bool EventDetection::findEarlier(DetectedEvent &event) {
       continue;
     const Guard &guard = dynamics_.guards()[k];
     const bool isForce = guard.kind == GuardKind::Force;
-    const double value = end_.value[k] - level(k), least = (isForce ? visibleForce : visible) * guard.scale;
     // A force has no rate of its own, and one that begins near zero may be below by an error.
-    if (!(value < -least) || (isForce && !(begin_.value[k] > least)))
+    const bool beginsNearZero = isForce && !(begin_.value[k] > visibleForce * guard.scale);
+    const double value = end_.value[k] - level(k), least = (beginsNearZero ? clearForce : isForce ? visibleForce : visible) * guard.scale;
+    if (!(value < -least))
       continue;
     const double rate = isForce ? (value - begin_.value[k]) / (event.time - begin) : end_.rate[k];
     double time = rate < 0 ? event.time - value / rate : begin;

@@ -426,7 +426,9 @@ tf_status Simulation::Implementation::step(double limit) {
   detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;
-  dynamics_.renewDirections(time_, state_.data());
+  if (dynamics_.renewDirections(time_, state_.data()))
+    if (const int guard = brokenByTurn(); guard >= 0)
+      return endAtTurn(guard, limit);
   if (const int guard = lingeringSlip(); guard >= 0)
     return stopLingering(guard, limit);
   const bool bouncesAreOver = integrators_.isForLowBounces() && !rest_.bouncesLow(time_);

@@ -235,7 +235,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     location = detection_.locate(event);
   }
   if (location == EventDetection::Location::Unsolved ||
-      (location == EventDetection::Location::Found && !stops && !integrators_.current().isResolved()))
+      (location == EventDetection::Location::Found && !stops && (!integrators_.current().isResolved() || jumpsAt(event))))
     return approach(event, limit);
   if (location == EventDetection::Location::Vanished)
     return endStep(event.time - integrators_.current().beginTime(), limit);

@@ -196,6 +196,9 @@ private:
   tf_status followTurn(const DetectedEvent &event, double limit);
   tf_status approach(const DetectedEvent &event, double limit);
   tf_status endStep(double next, double limit);
+  bool jumpsAt(const DetectedEvent &event);
+  int brokenByTurn();
+  tf_status endAtTurn(int guard, double limit);
 };
 
 }  // namespace tf::runtime

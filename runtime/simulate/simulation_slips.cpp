@@ -190,16 +190,44 @@ tf_status Simulation::Implementation::endStep(double next, double limit) {
     return status;
   DetectedEvent event;
   event.time = integrators_.current().endTime();
-  if (!dynamics_.mayTurnBeyondPole() && detection_.findEarlier(event))
+  if ((!dynamics_.mayTurnBeyondPole() || dynamics_.isClearOfPole()) && detection_.findEarlier(event))
     return handle(event, limit);
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   suggestedStep_ = next;
-  dynamics_.renewDirections(time_, state_.data());
+  const bool jumps = dynamics_.renewDirections(time_, state_.data());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
+  if (const int guard = jumps ? brokenByTurn() : -1; guard >= 0)
+    return endAtTurn(guard, limit);
   resumeMode();
   return TF_OK;
+}
+
+// The step ends where a force is to be zero, and it is not: where slips are slow, steps that hardly differ in length may end with other
+// directions of friction, and their forces jump. Shorter steps follow the turn.
+bool Simulation::Implementation::jumpsAt(const DetectedEvent &event) {
+  constexpr double shortest = 1e-12;  // of the time scale
+  const SmoothIntegrator &integrator = integrators_.current();
+  return dynamics_.hasTurningSlips() && detection_.missesZero(event) && !dynamics_.isPole(event.guard) &&
+         integrator.endTime() - integrator.beginTime() > shortest * timeScale();
+}
+
+// The directions of slow slips have just turned to the slips at (time_, state_), and friction with them: the guard of a force that the mode
+// does not admit any more; −1: there is none.
+int Simulation::Implementation::brokenByTurn() {
+  constexpr double visible = 1e-6;
+  return !dynamics_.evaluate(time_, state_.data(), rate_.data()) || dynamics_.isAtPole() ? -1 : dynamics_.brokenForce(visible);
+}
+
+tf_status Simulation::Implementation::endAtTurn(int guard, double limit) {
+  if (!progress_.add(time_))
+    return failWithoutProgress();
+  beginEvent();
+  if (const tf_status status = differentiateEvent(guard); status != TF_OK)
+    return status;
+  const Guard broken = dynamics_.guards()[guard];
+  return changeMode(broken, -1, limit);
 }
 
 }  // namespace tf::runtime
