@@ -166,7 +166,7 @@ TEST(Piles, RoughSpheresNeverPullOneAnother) {
   constexpr double tolerance = 1e-6, width = 0.1485;
   CompiledModel model(sourceFile("five_rough_spheres.tf", pileOfSpheres(spheres, roughPairs)));
   ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
-  for (const unsigned seed : {1U}) {
+  for (const unsigned seed : {5U, 12U, 24U, 28U}) {
     std::mt19937 generator(seed);
     const auto place = [&generator] { return width * (2 * static_cast<double>(generator()) / std::mt19937::max() - 1); };
     for (int k = 1; k <= spheres; ++k) {
@@ -179,7 +179,7 @@ TEST(Piles, RoughSpheresNeverPullOneAnother) {
     const tf_statistics &statistics = *tf_get_statistics(model.simulation());
     EXPECT_GE(statistics.worst_gap, -1e-9) << seed;
     EXPECT_GE(statistics.worst_normal_force, -tolerance * statistics.largest_normal_force) << seed;
-    EXPECT_LT(statistics.worst_energy_error, 1e-6) << seed;
+    EXPECT_LT(statistics.worst_energy_error, 1e-7) << seed;
   }
 }
 
