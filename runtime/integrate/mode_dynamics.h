@@ -187,6 +187,8 @@ public:
       completeRows();
     return projection_.project(time, state, scale, nothingStops_.data());
   }
+  // As well, at the begin of a mode: slips of two components that it takes for zero, and that are to start, become zero.
+  double projectStart(double time, double *state, const double *scale);
   // What `project` has left, or would remove, at a state (see Projection::residual).
   [[nodiscard]] double heldResidual(double time, const double *state) { return projection_.residual(time, state); }
   // As `evaluate`, at the projection of a state near the last evaluation's point at the same time, with the rows of that point; where this

@@ -248,6 +248,20 @@ void ModeDynamics::switchingValues(std::span<const int> guards, double *values, 
   }
 }
 
+double ModeDynamics::projectStart(double time, double *state, const double *scale) {
+  stops_ = nothingStops_;
+  bool isAny = false;
+  for (int pair = 0; pair < slips_.count(); ++pair)
+    if (slips_.isGiven(pair)) {
+      stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+      isAny = true;
+    }
+  if (!isAny)
+    return project(time, state, scale);
+  completeRows();
+  return projection_.project(time, state, scale, stops_.data());
+}
+
 double ModeDynamics::projectStop(double time, double *state, const double *scale, int stopped, double part) {
   completeRows();
   at_.setPoint(time, state);

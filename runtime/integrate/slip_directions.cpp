@@ -31,8 +31,9 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
     }
     const double *velocities = state + model.nq;
     const double scale = std::max(at_.scales.slip(row, velocities), at_.scales.slip(row + 1, velocities));
-    Pair pair = {static_cast<int>(j), row, 1, 0, scale, false, false, false};
+    Pair pair = {static_cast<int>(j), row, 1, 0, scale};
     const bool given = static_cast<int>(mode.direction.size()) > row + 1 && (mode.direction[row] != 0 || mode.direction[row + 1] != 0);
+    pair.given = given;
     if (given) {
       pair.c = mode.direction[row];
       pair.s = mode.direction[row + 1];
@@ -45,23 +46,27 @@ void SlipDirections::choose(const Mode &mode, const RowSystem &rows, const Conta
   }
   if (pairs_.empty())
     return;
-  renew(time, state);
+  update(time, state);
   for (int k = 0; k < count(); ++k)
     launches_ = launches_ || speed(k) <= 10 * rounding(k);
 }
 
 bool SlipDirections::renew(double time, const double *state) {
+  for (Pair &pair : pairs_)
+    pair.given = false;
+  return !pairs_.empty() && update(time, state);
+}
+
+bool SlipDirections::update(double time, const double *state) {
   constexpr double visible = 1e-5;  // of the angle, in radians
-  if (pairs_.empty())
-    return false;
   bool jumps = false;
   at_.setPoint(time, state);
   at_.switching(ModelEvaluation::Slips);
   for (Pair &pair : pairs_) {
     pair.held = false;
     const double x = at_.slip[pair.modelRow], y = at_.slip[pair.modelRow + 1], speed = std::hypot(x, y);
-    // A slow slip keeps its reference direction, unless it is clearly another one.
-    const bool isAstray = speed > still * pair.scale && along(pair) < 0.5 * speed;
+    // A slow slip keeps its reference direction, unless it is clearly another one, or its mode has begun with it for a zero.
+    const bool isAstray = !pair.given && speed > still * pair.scale && along(pair) < 0.5 * speed;
     if (speed <= 10 * accuracy_ * pair.scale && !isAstray)
       continue;
     const double friction = slope(pair), cosine = (along(pair) + friction * across(pair)) / (std::hypot(1, friction) * speed);

@@ -43,6 +43,8 @@ public:
   [[nodiscard]] bool launches() const { return launches_; }
   // Which of them start or grow at the point of the latest `switching`, where these are the rates of their speeds. Whether a slow one does.
   bool watchGrowth(const double *rates);
+  // The mode that has just begun takes it for zero, with a direction to begin with.
+  [[nodiscard]] bool isGiven(int pair) const { return pairs_[pair].given; }
   // It was zero there, within rounding.
   [[nodiscard]] bool starts(int pair) const { return pairs_[pair].starts; }
   [[nodiscard]] bool anyStarts() const;
@@ -83,10 +85,13 @@ private:
     int row = 0, modelRow = 0;
     double c = 1, s = 0;  // reference direction
     double scale = 1;
+    bool given = false;  // the reference direction, by the mode that has just begun: it takes the slip for zero
     bool held = false;
     bool grows = false, starts = false;  // at the latest `watchGrowth`
   };
 
+  // See `renew`.
+  bool update(double time, const double *state);
   // Slope of friction's direction against the reference, at the point of the latest `switching`.
   [[nodiscard]] double slope(const Pair &pair) const;
   static void turn(Pair &pair, double cosine, double sine);

@@ -65,7 +65,7 @@ tf_status Simulation::Implementation::enterMode(const Selection &selection, std:
   std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
   // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
   constexpr double rounding = 1e-14;
-  if (dynamics_.project(time_, state_.data(), integrators_.current().settings().scale.data()) > rounding) {
+  if (dynamics_.projectStart(time_, state_.data(), integrators_.current().settings().scale.data()) > rounding) {
     if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
       return failEvaluation();
     dynamics_.acceptContradiction();
