@@ -209,8 +209,6 @@ public:
   // Slips of two components, see SlipDirections; `guard` is a SlipAlong guard.
   void setSlipAccuracy(double relative) { slips_.setAccuracy(relative); }
   bool renewDirections(double time, const double *state) { return slips_.renew(time, state); }
-  // Of the Force guards at the last evaluation the one that is farthest below zero, by more than `part` of its scale; −1: none.
-  [[nodiscard]] int brokenForce(double part) const;
   void holdDirections(double part) { slips_.hold(part); }
   bool holdStartingDirections(double part) { return slips_.holdStarts(part); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }

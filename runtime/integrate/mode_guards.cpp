@@ -224,17 +224,6 @@ bool ModeDynamics::isClearOfPole() const {
   return marginValues().back() > clear * forces_.pressing().scale;
 }
 
-int ModeDynamics::brokenForce(double part) const {
-  int worst = -1;
-  double least = -part;
-  for (std::size_t k = gapGuardCount_; k < guards_.size(); ++k)
-    if (const Guard &guard = guards_[k]; guard.kind == GuardKind::Force && readGuard(guard) < least * guard.scale) {
-      least = readGuard(guard) / guard.scale;
-      worst = static_cast<int>(k);
-    }
-  return worst;
-}
-
 int ModeDynamics::contactOfMargin(int margin) const {
   const ModeMargin &m = forces_.margins()[margin];
   return !m.multiplier && m.limit.side == 0 && m.limit.row >= 0 && m.limit.row < rows_.normalCount() ? rows_.contacts()[m.limit.row] : -1;

@@ -83,6 +83,17 @@ bool EventDetection::missesZero(const DetectedEvent &event) {
          std::abs(dynamics_.guardValue(event.guard) - level(event.guard)) > threshold(event.guard);
 }
 
+int EventDetection::brokenForce() {
+  int worst = -1;
+  double least = -1;
+  for (int k = dynamics_.gapGuardCount(); k < static_cast<int>(dynamics_.guards().size()); ++k)
+    if (dynamics_.guards()[k].kind == GuardKind::Force && dynamics_.guardValue(k) < least * threshold(k)) {
+      least = dynamics_.guardValue(k) / threshold(k);
+      worst = k;
+    }
+  return worst;
+}
+
 // A slip that has not left zero before the step: it has by now, or it was the interpolant's error that left it, while the step that ends
 // here is still on the other side.
 bool EventDetection::hasJustBegun(int guard, double value) const {

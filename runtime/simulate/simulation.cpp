@@ -426,9 +426,11 @@ tf_status Simulation::Implementation::step(double limit) {
   detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;
-  if (dynamics_.renewDirections(time_, state_.data()))
-    if (const int guard = brokenByTurn(); guard >= 0)
-      return endAtTurn(guard, limit);
+  int broken = -1;
+  if (const tf_status renewed = renewDirections(broken); renewed != TF_OK)
+    return renewed;
+  if (broken >= 0)
+    return endMode(broken, -1, limit);
   if (const int guard = lingeringSlip(); guard >= 0)
     return stopLingering(guard, limit);
   const bool bouncesAreOver = integrators_.isForLowBounces() && !rest_.bouncesLow(time_);

@@ -197,8 +197,8 @@ private:
   tf_status approach(const DetectedEvent &event, double limit);
   tf_status endStep(double next, double limit);
   bool jumpsAt(const DetectedEvent &event);
-  int brokenByTurn();
-  tf_status endAtTurn(int guard, double limit);
+  tf_status renewDirections(int &broken);
+  tf_status endMode(int guard, int stopped, double limit);
 };
 
 }  // namespace tf::runtime

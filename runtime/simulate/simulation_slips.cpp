@@ -138,18 +138,12 @@ int Simulation::Implementation::lingeringSlip() {
 // It becomes zero: what follows is a stick, or a slip that starts from zero.
 tf_status Simulation::Implementation::stopLingering(int guard, double limit) {
   lingeringSteps_ = 0;
-  if (!progress_.add(time_))
-    return failWithoutProgress();
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
   dynamics_.projectStop(time_, state_.data(), integrators_.current().settings().scale.data(), guard, lingeringSpeed());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  beginEvent();
-  if (const tf_status status = differentiateEvent(guard); status != TF_OK)
-    return status;
-  const Guard stopped = dynamics_.guards()[guard];
-  return changeMode(stopped, dynamics_.slipRow(guard), limit);
+  return endMode(guard, dynamics_.slipRow(guard), limit);
 }
 
 // The step ends where the slip has turned by no more than 60°, or on most of the way to zero; the next one has another reference direction.
@@ -195,11 +189,13 @@ tf_status Simulation::Implementation::endStep(double next, double limit) {
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   suggestedStep_ = next;
-  const bool jumps = dynamics_.renewDirections(time_, state_.data());
+  int broken = -1;
+  if (const tf_status status = renewDirections(broken); status != TF_OK)
+    return status;
+  if (broken >= 0)
+    return endMode(broken, -1, limit);
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  if (const int guard = jumps ? brokenByTurn() : -1; guard >= 0)
-    return endAtTurn(guard, limit);
   resumeMode();
   return TF_OK;
 }
@@ -213,21 +209,28 @@ bool Simulation::Implementation::jumpsAt(const DetectedEvent &event) {
          integrator.endTime() - integrator.beginTime() > shortest * timeScale();
 }
 
-// The directions of slow slips have just turned to the slips at (time_, state_), and friction with them: the guard of a force that the mode
-// does not admit any more; −1: there is none.
-int Simulation::Implementation::brokenByTurn() {
-  constexpr double visible = 1e-6;
-  return !dynamics_.evaluate(time_, state_.data(), rate_.data()) || dynamics_.isAtPole() ? -1 : dynamics_.brokenForce(visible);
+// At (time_, state_) the directions of slips become those of the next step. With those of slow ones friction turns at once: `broken` is the
+// guard of a force that the mode does not admit any more then, −1: there is none.
+tf_status Simulation::Implementation::renewDirections(int &broken) {
+  broken = -1;
+  if (!dynamics_.renewDirections(time_, state_.data()))
+    return TF_OK;
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  if (!dynamics_.isAtPole())
+    broken = detection_.brokenForce();
+  return TF_OK;
 }
 
-tf_status Simulation::Implementation::endAtTurn(int guard, double limit) {
+// By that of the guard, or where the slip stops that begins with the tangential row `stopped` (else −1).
+tf_status Simulation::Implementation::endMode(int guard, int stopped, double limit) {
   if (!progress_.add(time_))
     return failWithoutProgress();
   beginEvent();
   if (const tf_status status = differentiateEvent(guard); status != TF_OK)
     return status;
-  const Guard broken = dynamics_.guards()[guard];
-  return changeMode(broken, -1, limit);
+  const Guard ended = dynamics_.guards()[guard];
+  return changeMode(ended, stopped, limit);
 }
 
 }  // namespace tf::runtime

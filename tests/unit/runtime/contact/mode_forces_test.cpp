@@ -73,6 +73,31 @@ TEST(ModeForces, SlipsThatPressTheirContactsInEndTheMode) {
   EXPECT_EQ(forces.cross(static_cast<int>(forces.margins().size()) - 1), MarginOutcome::ModeEnds);
 }
 
+// Beside two rows that are one, whose matrix has no determinant, the largest load relative to the sum of all normal forces.
+TEST(ModeForces, SlipsThatTurnAndPressTheirContactInBesideRedundantRowsEndTheMode) {
+  ContactProblem problem;
+  problem.resize(3, 2);
+  problem.delassus.map() << 1, 1, 0, 0, 0, 1, 1, 0, 0, 0, 0, 0, 1, 0.5, 0, 0, 0, 0.5, 1, 0, 0, 0, 0, 0, 1;
+  problem.bias = {-2, -2, -3, 1, 0};
+  problem.owner = {2, 2};
+  problem.partner = {1, 0};
+  problem.slipSign = {1, 1};
+  problem.friction = {0.4, 0};
+  ModeForces forces;
+  ASSERT_TRUE(forces.start(problem, modeOf({1, 1, 1}, {1, 1})));
+  ASSERT_TRUE(forces.redundant());
+  ASSERT_EQ(forces.margins().back().limit.row, ModeMargin::pressing);
+  const double largest = 3 / (1 - 0.4 * 0.5), load = 3;
+  for (const double friction : {0.4, 1.9, 1.9999, 2.0001}) {
+    problem.friction = {friction, 0};
+    ASSERT_TRUE(forces.evaluate(problem));
+    const double sum = 2 + 3 / (1 - 0.5 * friction);
+    EXPECT_NEAR(forces.marginValues().back(), largest * (load / sum - PressingMargin::before), 1e-12) << friction;
+  }
+  EXPECT_LT(forces.marginValues().back(), 0);
+  EXPECT_EQ(forces.cross(static_cast<int>(forces.margins().size()) - 1), MarginOutcome::ModeEnds);
+}
+
 TEST(ModeForces, StickHasTwoMargins) {
   ContactProblem problem;
   problem.resize(1, 2);
