@@ -1,5 +1,7 @@
 #include "runtime/contact/contact_problem.h"
 
+#include "runtime/contact/frame_turns.h"
+
 namespace tf::runtime {
 
 void ContactRows::resize(int normals, int tangents) {
@@ -32,17 +34,9 @@ void ContactProblem::resize(int normals, int tangents) {
 }
 
 void ContactProblem::turnPair(int j, double c, double s) {
-  const int a = normalCount + j, b = a + 1;
-  const auto turn = [c, s](double &x, double &y) {
-    const double along = c * x + s * y;
-    y = c * y - s * x;
-    x = along;
-  };
-  for (int r = 0; r < count(); ++r)
-    turn(delassus(r, a), delassus(r, b));
-  for (int r = 0; r < count(); ++r)
-    turn(delassus(a, r), delassus(b, r));
-  turn(bias[a], bias[b]);
+  const int a = normalCount + j;
+  turnRows(delassus, a, c, s);
+  turnVector(bias[a], bias[a + 1], c, s);
 }
 
 void ContactMode::resize(int normals, int tangents) {

@@ -2,6 +2,7 @@
 
 #include "runtime/contact/cone_friction.h"
 #include "runtime/contact/force_set.h"
+#include "runtime/contact/frame_turns.h"
 #include "runtime/contact/next_derivative.h"
 #include "runtime/contact/planar_friction.h"
 #include "runtime/contact/single_contact.h"
@@ -171,13 +172,9 @@ void ContactSolver::Workspace::turnForces(double sense) {
   for (int j = 0; j + 1 < aligned.tangentCount; ++j) {
     if (aligned.partner[j] <= j || aligned.slipSign[j] == 0 || (solution.mode.direction[j] == 0 && solution.mode.direction[j + 1] == 0))
       continue;
-    const double c = solution.mode.direction[j], s = sense * solution.mode.direction[j + 1];
-    for (std::vector<double> *values : {&solution.forces, &solution.accelerations}) {
-      double &first = (*values)[aligned.normalCount + j], &second = (*values)[aligned.normalCount + j + 1];
-      const double along = c * first + s * second;
-      second = c * second - s * first;
-      first = along;
-    }
+    const int row = aligned.normalCount + j;
+    for (std::vector<double> *values : {&solution.forces, &solution.accelerations})
+      turnVector((*values)[row], (*values)[row + 1], solution.mode.direction[j], sense * solution.mode.direction[j + 1]);
   }
 }
 
@@ -454,10 +451,8 @@ void ContactSolver::Workspace::alignDegenerate(const ContactProblem &problem, co
       alignedRates.frictionRate[j] = alignedRates.boundRate[j] = 0;
     if (!problem.isDisk(j) || aligned.slipSign[j] == 0)
       continue;
-    double &first = alignedRates.accelerationRate[n + j], &second = alignedRates.accelerationRate[n + j + 1];
-    const double c = solution.mode.direction[j], s = solution.mode.direction[j + 1], along = c * first + s * second;
-    second = c * second - s * first;
-    first = along;
+    std::vector<double> &rate = alignedRates.accelerationRate;
+    turnVector(rate[n + j], rate[n + j + 1], solution.mode.direction[j], solution.mode.direction[j + 1]);
     if (resolved.mode.slip[j] != 0)
       continue;
     aligned.slipSign[j] = aligned.slipSign[j + 1] = 0;

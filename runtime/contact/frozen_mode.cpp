@@ -1,5 +1,7 @@
 #include "runtime/contact/frozen_mode.h"
 
+#include "runtime/contact/frame_turns.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -11,19 +13,6 @@ namespace {
 constexpr double singular = 1e-11;
 // Margins to limits below, relative to the rates, are none.
 constexpr double leastMargin = 1e-9;
-
-void turnRows(DenseMatrix &matrix, int a, double c, double s) {
-  const int count = matrix.rows();
-  const auto turn = [c, s](double &x, double &y) {
-    const double along = c * x + s * y;
-    y = c * y - s * x;
-    x = along;
-  };
-  for (int r = 0; r < count; ++r)
-    turn(matrix(r, a), matrix(r, a + 1));
-  for (int r = 0; r < count; ++r)
-    turn(matrix(a, r), matrix(a + 1, r));
-}
 
 }  // namespace
 
@@ -73,11 +62,8 @@ void FrozenMode::turnForces(const FrozenProblem &problem, double sense, std::vec
   for (int j = 0; j < problem.tangentCount; ++j) {
     if (problem.partner[j] < j)
       continue;
-    const double c = direction[j], s = sense * direction[j + 1];
-    double &first = forces[problem.normalCount + j], &second = forces[problem.normalCount + j + 1];
-    const double along = c * first + s * second;
-    second = c * second - s * first;
-    first = along;
+    const int row = problem.normalCount + j;
+    turnVector(forces[row], forces[row + 1], direction[j], sense * direction[j + 1]);
   }
 }
 

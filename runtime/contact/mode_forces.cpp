@@ -25,7 +25,7 @@ bool slipsWithFriction(const ContactProblem &problem, const ContactMode &mode) {
   return false;
 }
 
-// Slips of two components do.
+// Whether some slip has two components, so that its friction turns with it.
 bool slipsTurn(const ContactProblem &problem) {
   for (int j = 0; j < problem.tangentCount; ++j)
     if (problem.partner[j] > j && problem.slipSign[j] != 0)

@@ -566,7 +566,7 @@ void ModeDynamics::continueSlips(double duration, double *state, const double *s
   std::vector<double> wanted(rememberedSlip_.size(), 0.0);
   stops_ = nothingStops_;
   for (int pair = 0; pair < slips_.count(); ++pair) {
-    stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+    stopPair(pair);
     if (slips_.starts(pair))
       continue;
     const int first = slips_.modelRow(pair);

@@ -278,6 +278,8 @@ private:
   bool solveRows(double *freeAcceleration);
   bool startForces(std::unique_ptr<ForceSet> *found);
   void completeRows();
+  // Both rows of a slip of two components are among those that the next projection stops.
+  void stopPair(int pair) { stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1; }
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
   // Redundant contacts together press themselves in: their forces have grown beyond all bounds, or changed their signs there.

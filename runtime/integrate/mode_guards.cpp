@@ -242,7 +242,7 @@ double ModeDynamics::projectStart(double time, double *state, const double *scal
   bool isAny = false;
   for (int pair = 0; pair < slips_.count(); ++pair)
     if (slips_.isGiven(pair)) {
-      stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+      stopPair(pair);
       isAny = true;
     }
   if (!isAny)
@@ -258,7 +258,7 @@ double ModeDynamics::projectStop(double time, double *state, const double *scale
   stops_ = nothingStops_;
   for (int pair = 0; pair < slips_.count(); ++pair)
     if (pair == guards_[stopped].index || slips_.speed(pair) <= part * slips_.scale(pair))
-      stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1;
+      stopPair(pair);
   return projection_.project(time, state, scale, stops_.data());
 }
 

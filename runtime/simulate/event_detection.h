@@ -63,7 +63,8 @@ public:
   Location locate(DetectedEvent &event);
   // After locate(): the force whose zero was to be found is clearly another one there.
   [[nodiscard]] bool missesZero(const DetectedEvent &event);
-  // Of the forces at the dynamics' last evaluation the guard of the one that is farthest below zero, clearly; −1: none.
+  // Of the forces at the dynamics' last evaluation the guard of the one that is farthest below zero, clearly; −1: none, or there is a pole,
+  // where signs say nothing.
   [[nodiscard]] int brokenForce();
   // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed or a force has fallen to zero before the event,
   // which the interpolant had in another order; the event is then that guard's, still to be located.

@@ -86,6 +86,8 @@ bool EventDetection::missesZero(const DetectedEvent &event) {
 int EventDetection::brokenForce() {
   int worst = -1;
   double least = -1;
+  if (dynamics_.isAtPole())
+    return worst;
   for (int k = dynamics_.gapGuardCount(); k < static_cast<int>(dynamics_.guards().size()); ++k)
     if (dynamics_.guards()[k].kind == GuardKind::Force && dynamics_.guardValue(k) < least * threshold(k)) {
       least = dynamics_.guardValue(k) / threshold(k);

@@ -426,11 +426,13 @@ tf_status Simulation::Implementation::step(double limit) {
   detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;
-  int broken = -1;
-  if (const tf_status renewed = renewDirections(broken); renewed != TF_OK)
-    return renewed;
-  if (broken >= 0)
-    return endMode(broken, -1, limit);
+  // As in resumeTurned, but that the integrator goes on.
+  if (dynamics_.renewDirections(time_, state_.data())) {
+    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
+      return failEvaluation();
+    if (const int broken = detection_.brokenForce(); broken >= 0)
+      return endMode(broken, -1, limit);
+  }
   if (const int guard = lingeringSlip(); guard >= 0)
     return stopLingering(guard, limit);
   const bool bouncesAreOver = integrators_.isForLowBounces() && !rest_.bouncesLow(time_);

@@ -257,12 +257,8 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (committed != TF_OK)
     return committed;
   // Other least-norm forces of redundant contacts: the same motion, no event.
-  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard)) {
-    dynamics_.renewDirections(time_, state_.data());
-    dynamics_.evaluate(time_, state_.data(), rate_.data());
-    resumeMode();
-    return TF_OK;
-  }
+  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard))
+    return resumeTurned(limit);
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     if (const int contact = jamAt(event.guard); contact >= 0)
       return jam(contact);

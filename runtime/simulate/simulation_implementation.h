@@ -197,7 +197,7 @@ private:
   tf_status approach(const DetectedEvent &event, double limit);
   tf_status endStep(double next, double limit);
   bool jumpsAt(const DetectedEvent &event);
-  tf_status renewDirections(int &broken);
+  tf_status resumeTurned(double limit);
   tf_status endMode(int guard, int stopped, double limit);
 };
 

@@ -189,15 +189,7 @@ tf_status Simulation::Implementation::endStep(double next, double limit) {
   if (const tf_status status = commit(); status != TF_OK)
     return status;
   suggestedStep_ = next;
-  int broken = -1;
-  if (const tf_status status = renewDirections(broken); status != TF_OK)
-    return status;
-  if (broken >= 0)
-    return endMode(broken, -1, limit);
-  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
-    return failEvaluation();
-  resumeMode();
-  return TF_OK;
+  return resumeTurned(limit);
 }
 
 // The step ends where a force is to be zero, and it is not: where slips are slow, steps that hardly differ in length may end with other
@@ -209,20 +201,19 @@ bool Simulation::Implementation::jumpsAt(const DetectedEvent &event) {
          integrator.endTime() - integrator.beginTime() > shortest * timeScale();
 }
 
-// At (time_, state_) the directions of slips become those of the next step. With those of slow ones friction turns at once: `broken` is the
-// guard of a force that the mode does not admit any more then, −1: there is none.
-tf_status Simulation::Implementation::renewDirections(int &broken) {
-  broken = -1;
-  if (!dynamics_.renewDirections(time_, state_.data()))
-    return TF_OK;
+// The mode goes on from (time_, state_) with the directions that slips have there. That may turn the friction of slow ones at once: a force
+// that the mode does not admit any more then ends it.
+tf_status Simulation::Implementation::resumeTurned(double limit) {
+  const bool jumps = dynamics_.renewDirections(time_, state_.data());
   if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
     return failEvaluation();
-  if (!dynamics_.isAtPole())
-    broken = detection_.brokenForce();
+  if (const int broken = jumps ? detection_.brokenForce() : -1; broken >= 0)
+    return endMode(broken, -1, limit);
+  resumeMode();
   return TF_OK;
 }
 
-// By that of the guard, or where the slip stops that begins with the tangential row `stopped` (else −1).
+// The mode ends at (time_, state_), where the dynamics has been evaluated, by this guard; `stopped` as in changeMode.
 tf_status Simulation::Implementation::endMode(int guard, int stopped, double limit) {
   if (!progress_.add(time_))
     return failWithoutProgress();
