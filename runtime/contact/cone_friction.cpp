@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <random>
 
 namespace tf::runtime {
 
@@ -16,6 +17,7 @@ constexpr double regularStep = 1e-8;
 // Of followSmoothing: relative to the scale of forces, and of D.
 constexpr double lastSmoothing = 1e-14, smoothingReduction = 0.1;
 constexpr int smoothedLimit = 12;
+constexpr int scatteredStarts = 20, wanderLimit = 40;
 
 }  // namespace
 
@@ -108,9 +110,11 @@ void ConeFrictionSolver::normalResidual(int i, double force, double acceleration
   jacobian_(i, i) += 1;
 }
 
+// Where normal forces are held they may be rates, which have any sign, and so have those of the friction that follows them.
 double ConeFrictionSolver::limit(int j) const {
   const int i = problem_.owner[j];
-  return std::max(0.0, offset_[j] + (i >= 0 ? frictionFactor_ * friction_[j] * pressing_[i] : 0.0));
+  const double bound = offset_[j] + (i >= 0 ? frictionFactor_ * friction_[j] * pressing_[i] : 0.0);
+  return problem_.tangentKind[j] == TangentKind::TwoSided ? std::max(0.0, bound) : bound;
 }
 
 // The projection of p on ‖λ‖ ≤ L: L p/max(‖p‖, L), with the maximum smoothed. Derivative by p: factor·(I − shrink·p pᵀ/‖p‖²), by L: rise·p.
@@ -168,7 +172,7 @@ void ConeFrictionSolver::tangentResidual(int j, const Eigen::VectorXd &force, co
   }
   jacobian_.row(r) = byForce * response_.row(r);
   jacobian_(r, r) += 1 - byForce;
-  if (i >= 0 && bound > 0)
+  if (i >= 0 && (bound > 0 || problem_.tangentKind[j] != TangentKind::TwoSided))
     jacobian_.row(r) -= byBound * frictionFactor_ * friction_[j] * pressingSlope_.row(i);
 }
 
@@ -225,6 +229,21 @@ Eigen::VectorXd ConeFrictionSolver::newtonStep() {
   return -factor.compute(jacobian_).solve(residual_);
 }
 
+// The part of the step, halved down to `shortest`, behind which the residual's norm falls; where it never does, that where it is least.
+ConeFrictionSolver::LineSearch ConeFrictionSolver::shorten(const Eigen::VectorXd &from, const Eigen::VectorXd &step, double norm,
+                                                           double shortest) {
+  LineSearch found{1, std::numeric_limits<double>::infinity()};
+  for (double length = 1; length > shortest; length *= 0.5) {
+    const Eigen::VectorXd force = from + length * step;
+    residual(force, delassus_ * force + bias_, false);
+    if (residual_.norm() < found.norm)
+      found = {length, residual_.norm()};
+    if (found.norm <= (1 - 1e-4 * length) * norm)
+      break;
+  }
+  return found;
+}
+
 // Semismooth Newton steps, shortened where the residual grows, down to rounding; the violation that is reached.
 double ConeFrictionSolver::improve(Eigen::VectorXd &force) {
   residual(force, delassus_ * force + bias_, true);
@@ -235,27 +254,13 @@ double ConeFrictionSolver::improve(Eigen::VectorXd &force) {
     const Eigen::VectorXd step = newtonStep();
     if (!step.allFinite())
       break;
-    const Eigen::VectorXd from = force;
-    double best = std::numeric_limits<double>::infinity(), bestFactor = 1;
-    for (double length = 1; length > 1e-3; length *= 0.5) {
-      force = from + length * step;
-      residual(force, delassus_ * force + bias_, false);
-      if (residual_.norm() < best) {
-        best = residual_.norm();
-        bestFactor = length;
-      }
-      if (best <= (1 - 1e-4 * length) * norm)
-        break;
-    }
-    if (violation <= tolerance_ && !(best < 0.5 * norm)) {
-      force = from;
-      residual(force, delassus_ * force + bias_, false);
+    const LineSearch found = shorten(force, step, norm, 1e-3);
+    if (violation <= tolerance_ && !(found.norm < 0.5 * norm))
       break;
-    }
-    stagnant = best < 0.99 * norm ? 0 : stagnant + 1;
+    stagnant = found.norm < 0.99 * norm ? 0 : stagnant + 1;
     if (stagnant > 6)
       break;
-    force = from + bestFactor * step;
+    force += found.length * step;
     residual(force, delassus_ * force + bias_, true);
     violation = size(force);
     norm = residual_.norm();
@@ -387,6 +392,44 @@ bool ConeFrictionSolver::attemptRest() {
   return false;
 }
 
+// Newton steps that go on, by a random part of themselves, where none of their parts makes the residual smaller: many pieces of the
+// equations meet in such a point, and a solution lies in one of them. Bounded forces have one always (Kakutani's theorem), however the
+// residual lies in between.
+void ConeFrictionSolver::wander(Eigen::VectorXd &force, const std::function<double()> &random) {
+  constexpr double shortest = 0.02, falls = 0.999;
+  residual(force, delassus_ * force + bias_, true);
+  double norm = residual_.norm();
+  for (int k = 0; k < wanderLimit && size(force) > tolerance_; ++k) {
+    ++iterations_;
+    const Eigen::VectorXd step = newtonStep();
+    if (!step.allFinite())
+      break;
+    const LineSearch found = shorten(force, step, norm, shortest);
+    force += (found.norm < falls * norm ? found.length : random()) * step;
+    residual(force, delassus_ * force + bias_, true);
+    norm = residual_.norm();
+  }
+}
+
+// From forces anywhere within their limits, or of the size of the data: always the same ones, so that the same problem has the same
+// solution.
+bool ConeFrictionSolver::attemptScattered() {
+  const int n = problem_.normalCount, m = problem_.tangentCount;
+  std::minstd_rand generator;
+  const auto random = [&generator] { return static_cast<double>(generator()) / std::minstd_rand::max(); };
+  Eigen::VectorXd force(n + m);
+  for (int k = 0; k < scatteredStarts; ++k) {
+    for (int i = 0; i < n; ++i)
+      force[i] = random() * (std::isfinite(upper_[i]) ? upper_[i] : magnitude_);
+    for (int j = 0; j < m; ++j)
+      force[n + j] = (random() - 0.5) * magnitude_;
+    wander(force, random);
+    if (attempt(force))
+      return true;
+  }
+  return false;
+}
+
 const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, double tolerance) {
   const int count = problem_.normalCount + problem_.tangentCount;
   scale();
@@ -422,7 +465,7 @@ const ConeFrictionSolution &ConeFrictionSolver::solve(const double *guess, doubl
       if (k < homotopySteps)
         improve(start);
     }
-    solved = attempt(start) || attemptRest();
+    solved = attempt(start) || attemptRest() || attemptScattered();
   }
   const Eigen::VectorXd acceleration = delassus_ * best_ + bias_;
   solution_.solved = solved;

@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include <functional>
 #include <vector>
 
 namespace tf::runtime {
@@ -45,6 +46,11 @@ private:
     double factor = 0, shrink = 0, rise = 0;
   };
 
+  // Of the equations' residual behind a part of a step.
+  struct LineSearch {
+    double length = 0, norm = 0;
+  };
+
   void scale();
   double positivePart(double x, double &slope) const;
   [[nodiscard]] DiskProjection projectOnDisk(double length, double bound) const;
@@ -55,12 +61,15 @@ private:
   [[nodiscard]] double limit(int j) const;
   [[nodiscard]] double size(const Eigen::VectorXd &force) const;
   Eigen::VectorXd newtonStep();
+  LineSearch shorten(const Eigen::VectorXd &from, const Eigen::VectorXd &step, double norm, double shortest);
   double improve(Eigen::VectorXd &force);
   void sweep(Eigen::VectorXd &force, int count);
   void setSmoothing(double smoothing);
   bool followSmoothing();
   bool attempt(Eigen::VectorXd force);
   bool attemptRest();
+  void wander(Eigen::VectorXd &force, const std::function<double()> &random);
+  bool attemptScattered();
 
   ConeFrictionProblem problem_;
   ConeFrictionSolution solution_;

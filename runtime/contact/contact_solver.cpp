@@ -410,10 +410,11 @@ void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const C
   begin(found.force, found.acceleration, found.violation, found.scale);
   labelMode(problem, preferred);
   if (!found.solved) {
+    constexpr double away = 1e-6;
     pose(problem, solver.problem());
     const bool none = solver.solve(nullptr, settings.feasibility).status == PlanarFrictionSolution::Status::None;
-    // Forces that all methods leave far from a solution have none; the frictional impulse that follows proves it, or changes nothing.
-    solution.status = none || found.violation > 1e-2 ? ContactStatus::Inconsistent : ContactStatus::Unsettled;
+    // Forces that all methods leave away from a solution have none; the frictional impulse that follows proves it, or changes nothing.
+    solution.status = none || found.violation > away ? ContactStatus::Inconsistent : ContactStatus::Unsettled;
     solution.forced = findForced(problem);
     return;
   }

@@ -284,6 +284,8 @@ private:
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
   // Redundant contacts together press themselves in: their forces have grown beyond all bounds, or changed their signs there.
   [[nodiscard]] bool isBeyondSharedPole() const;
+  // Or are about to: they are as large that no step follows them any further.
+  [[nodiscard]] bool isNearSharedPole() const;
   [[nodiscard]] std::span<const double> marginValues() const { return isFolded_ ? folded_.marginValues() : forces_.marginValues(); }
   bool solveSliding();
   // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D;

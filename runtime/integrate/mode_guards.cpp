@@ -210,6 +210,11 @@ bool ModeDynamics::isPole(int guard) const {
 
 bool ModeDynamics::isBeyondSharedPole() const { return forces_.redundant() && forces_.mayPress() && marginValues().back() <= 0; }
 
+bool ModeDynamics::isNearSharedPole() const {
+  constexpr double near = 1e-3;
+  return forces_.redundant() && forces_.mayPress() && marginValues().back() <= near * forces_.pressing().scale;
+}
+
 bool ModeDynamics::isAtPole() const {
   constexpr double rounding = 1e-9;  // of the determinant, relative to the begin of the mode
   return rows_.count() > 0 && forces_.mayPress() && marginValues().back() <= rounding * forces_.pressing().scale;

@@ -157,22 +157,27 @@ const FrozenResult &Impact::follow(const std::vector<int> &forced) {
   }
   for (const int contact : forced)
     problem_.normalVelocity[rowOf(contact)] = 0;
+  const auto changes = [this](const FrozenResult &result, double least) {
+    for (int j = 0; j < problem_.tangentCount; ++j)
+      if (std::abs(result.velocity[problem_.normalCount + j] - problem_.slipVelocity[j]) > least * problem_.resolution)
+        return true;
+    return false;
+  };
   const FrozenResult *result = nullptr;
   for (std::size_t k = 0; k < forced.size() && starter_ < 0; ++k) {
     result = &run(rowOf(forced[k]));
-    if (result->status != FrozenStatus::Finished || result->duration > 0)
+    if (result->status != FrozenStatus::Finished || (result->duration > 0 && changes(*result, 1)))
       starter_ = forced[k];
   }
   if (starter_ >= 0 || forced.size() < 2)
     return *result;
   // Contacts that only press each other in: all of them approach as slowly as can be told from rest.
-  constexpr double slowest = 4, change = 1e3;
+  constexpr double slowest = 4, clearly = 1e3;
   for (const int contact : forced)
     problem_.normalVelocity[rowOf(contact)] = -slowest * problem_.resolution;
   result = &run(-1);
-  for (int j = 0; j < problem_.tangentCount; ++j)
-    if (std::abs(result->velocity[problem_.normalCount + j] - problem_.slipVelocity[j]) > change * problem_.resolution)
-      starter_ = forced.front();
+  if (changes(*result, clearly))
+    starter_ = forced.front();
   return *result;
 }
 
