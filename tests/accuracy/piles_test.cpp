@@ -159,6 +159,17 @@ TEST(Piles, FifteenRoughSpheresCollapse) {
   EXPECT_LT(statistics.worst_energy_error, 1e-8);
 }
 
+// One above the other, at most `width` from the middle of the box.
+void dropSpheres(CompiledModel &model, int count, double width, unsigned seed) {
+  std::mt19937 generator(seed);
+  const auto place = [&generator, width] { return width * (2 * static_cast<double>(generator()) / std::mt19937::max() - 1); };
+  for (int k = 1; k <= count; ++k) {
+    ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},1]", k).c_str(), place()), TF_OK);
+    ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},2]", k).c_str(), place()), TF_OK);
+    ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},3]", k).c_str(), 0.22 * k - 0.07), TF_OK);
+  }
+}
+
 // Friction of slow slips of two components turns within instants that no step sees: forces that it makes negative end the mode there, and
 // contacts that jam with redundant ones get their frictional impulses.
 TEST(Piles, RoughSpheresNeverPullOneAnother) {
@@ -167,13 +178,7 @@ TEST(Piles, RoughSpheresNeverPullOneAnother) {
   CompiledModel model(sourceFile("five_rough_spheres.tf", pileOfSpheres(spheres, roughPairs)));
   ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
   for (const unsigned seed : {5U, 12U, 24U, 28U}) {
-    std::mt19937 generator(seed);
-    const auto place = [&generator] { return width * (2 * static_cast<double>(generator()) / std::mt19937::max() - 1); };
-    for (int k = 1; k <= spheres; ++k) {
-      ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},1]", k).c_str(), place()), TF_OK);
-      ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},2]", k).c_str(), place()), TF_OK);
-      ASSERT_EQ(tf_set(model.simulation(), fmt::format("c[{},3]", k).c_str(), 0.22 * k - 0.07), TF_OK);
-    }
+    dropSpheres(model, spheres, width, seed);
     model.tolerance(tolerance).initialise();
     model.advance(1.2);
     const tf_statistics &statistics = *tf_get_statistics(model.simulation());
@@ -181,6 +186,21 @@ TEST(Piles, RoughSpheresNeverPullOneAnother) {
     EXPECT_GE(statistics.worst_normal_force, -tolerance * statistics.largest_normal_force) << seed;
     EXPECT_LT(statistics.worst_energy_error, 1e-7) << seed;
   }
+}
+
+// A box that a sphere and a half fit into side by side: most of the spheres touch three others or walls. The contact problem of their
+// impact has a solution that lies where many pieces of its equations meet.
+TEST(Piles, RoughSpheresInANarrowBoxPushOneAnotherOn) {
+  constexpr int spheres = 7;
+  CompiledModel model(sourceFile("seven_rough_spheres.tf", pileOfSpheres(spheres, roughPairs)), {{"w", 0.15}});
+  ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+  dropSpheres(model, spheres, 0.0485, 2);
+  ASSERT_NO_THROW(model.tolerance(1e-6).run(0.26));
+  const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+  EXPECT_GE(statistics.worst_gap, -1e-9);
+  EXPECT_GE(statistics.worst_normal_force, -1e-6 * statistics.largest_normal_force);
+  EXPECT_LT(statistics.worst_energy_error, 1e-7);
+  EXPECT_LT(statistics.worst_impact_residual, 1e-8);
 }
 
 // Slips that press each other in leave the contact problem without a solution; no single contact starts the impulse that ends them.
