@@ -83,9 +83,8 @@ struct ForceLimit {
 
 enum class ContactStatus : std::uint8_t {
   Solved,
-  Inconsistent,   // no solution: Painlevé; see ContactSolution::forced
-  Indeterminate,  // solutions with different accelerations; the most open one is taken
-  Unsettled       // many rows, and neither a solution nor a proof that there is none was found
+  Inconsistent,  // no solution, or none that could be found: Painlevé; see ContactSolution::forced
+  Indeterminate  // solutions with different accelerations; the most open one is taken
 };
 
 struct ContactSolution {
@@ -99,7 +98,7 @@ struct ContactSolution {
   bool redundant = false;             // D is singular on the active rows: λ is the least-norm one
   std::vector<ForceLimit> saturated;  // redundant: limits on which the least-norm λ lies within the mode
   std::vector<int> degenerate;        // rows decided by the next derivative only (ContactSolver::resolve)
-  // Inconsistent, Unsettled: the normal row whose contact would start a frictional impulse. Indeterminate: the first one with D_s < 0.
+  // Inconsistent: the normal row whose contact would start a frictional impulse. Indeterminate: the first one with D_s < 0.
   int forced = -1;
 };
 

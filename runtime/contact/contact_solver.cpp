@@ -395,7 +395,6 @@ void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const 
   finish(problem, preferred);
 }
 
-// Without a solution, that of the box |λ_t1|, |λ_t2| ≤ limit tells whether none exists.
 void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const ContactMode *preferred, const double *guess) {
   pose(problem, cone.problem());
   cone.problem().partner.assign(problem.tangentCount, -1);
@@ -409,12 +408,11 @@ void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const C
   metric = cone.metric();
   begin(found.force, found.acceleration, found.violation, found.scale);
   labelMode(problem, preferred);
-  if (!found.solved) {
-    constexpr double away = 1e-6;
-    pose(problem, solver.problem());
-    const bool none = solver.solve(nullptr, settings.feasibility).status == PlanarFrictionSolution::Status::None;
-    // Forces that all methods leave away from a solution have none; the frictional impulse that follows proves it, or changes nothing.
-    solution.status = none || found.violation > away ? ContactStatus::Inconsistent : ContactStatus::Unsettled;
+  // Where solutions are about to end, two of them meet, and Newton's method comes no nearer; what is zero is told as coarsely then. Forces
+  // that all methods leave away from a solution have none; the frictional impulse that follows proves it, or changes nothing.
+  constexpr double near = 1e-8;
+  if (!found.solved && found.violation > near) {
+    solution.status = ContactStatus::Inconsistent;
     solution.forced = findForced(problem);
     return;
   }

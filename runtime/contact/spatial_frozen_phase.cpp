@@ -32,6 +32,7 @@ void SpatialFrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
   }
   windowSteps = windowBreakpoints = crowding = 0;
   windowBegin = 0;
+  startContact = -1;
   if (forced >= 0)
     velocity[forced] = std::min(velocity[forced], 0.0);
   restitution.begin(at.restitution, at.law, at.rate, {velocity.data(), static_cast<std::size_t>(n)});
@@ -239,9 +240,16 @@ void SpatialFrozenPhase::Workspace::finishEvent(const Watch &event) {
   }
 }
 
-// What is left of velocities that slips came to rest from is within what counts as still.
+// What is left of velocities that slips came to rest from is within what counts as still. An approach no faster than that, or than the one
+// that a contact was given to start the impulse, need be none of any motion: redundant contacts cannot end it.
 bool SpatialFrozenPhase::Workspace::giveUp(bool ends) {
-  return restitution.giveUp(velocity, force, [this](int) { return stillSpeed; }, ends);
+  bool any = restitution.giveUp(velocity, force, [this](int) { return stillSpeed; }, ends);
+  for (int i = 0; ends && i < n; ++i)
+    if (velocity[i] < 0 && velocity[i] >= -(i == startContact ? std::max(stillSpeed, startSpeed) : stillSpeed)) {
+      velocity[i] = 0;
+      any = true;
+    }
+  return any;
 }
 
 FrozenEvent SpatialFrozenPhase::Workspace::classify(const Watch &event) const {
@@ -336,7 +344,9 @@ bool SpatialFrozenPhase::Workspace::jams(int forced) {
     return false;
   constexpr double enough = 3;
   const double left = acceleration[forced] / turnover[forced];
-  velocity[forced] = -std::max(2 * roundingSpeed, enough * scale * left * left);
+  startContact = forced;
+  startSpeed = std::max(2 * roundingSpeed, enough * scale * left * left);
+  velocity[forced] = -startSpeed;
   return true;
 }
 

@@ -74,6 +74,8 @@ struct SpatialFrozenPhase::Workspace {
   double stillSpeed = 0;       // slips below come to rest, or start
   double motionless = solved;  // accelerations are zero below this part of the terms that they are sums of
   double largestChange = 0;    // bound of |D λ|
+  int startContact = -1;       // has been given an approach of
+  double startSpeed = 0;       // to start a frictional impulse
   int windowSteps = 0, windowBreakpoints = 0, crowding = 0;
   double windowBegin = 0;
 

@@ -172,7 +172,7 @@ const FrozenResult &Impact::follow(const std::vector<int> &forced) {
   if (starter_ >= 0 || forced.size() < 2)
     return *result;
   // Contacts that only press each other in: all of them approach as slowly as can be told from rest.
-  constexpr double slowest = 4, clearly = 1e3;
+  constexpr double slowest = 3, clearly = 1e3;
   for (const int contact : forced)
     problem_.normalVelocity[rowOf(contact)] = -slowest * problem_.resolution;
   result = &run(-1);

@@ -345,10 +345,6 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
     forced_ = rows_.contacts()[solution.forced];
     return Trial::FrictionalImpulse;
   }
-  if (solution.status == ContactStatus::Unsettled) {
-    text_ = fmt::format("the contact problem has no solution that could be found (largest violation {:.2e})", solution.violation);
-    return Trial::Failed;
-  }
   worstViolation_ = std::max(worstViolation_, solution.violation);
   redundant_ = solution.redundant;
   indeterminate_ = solution.status == ContactStatus::Indeterminate;

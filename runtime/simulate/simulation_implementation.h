@@ -195,6 +195,7 @@ private:
   tf_status stopLingering(int guard, double limit);
   tf_status followTurn(const DetectedEvent &event, double limit);
   tf_status approach(const DetectedEvent &event, double limit);
+  tf_status chooseAnew(int guard, double limit);
   tf_status endStep(double next, double limit);
   bool jumpsAt(const DetectedEvent &event);
   tf_status resumeTurned(double limit);

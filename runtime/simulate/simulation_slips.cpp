@@ -172,9 +172,19 @@ tf_status Simulation::Implementation::approach(const DetectedEvent &event, doubl
   do {
     length *= 0.5;
     if (begin + length <= begin)
-      return failEvaluation();
+      return chooseAnew(event.guard, limit);
   } while (!integrator.shorten(begin + length) || !integrator.isResolved());
   return endStep(0.5 * length, limit);
+}
+
+// No step from (time_, state_) leads towards the guard's event. What jams there gets its impulse; else the contacts are selected again, as
+// at the event itself.
+tf_status Simulation::Implementation::chooseAnew(int guard, double limit) {
+  if (!dynamics_.evaluate(time_, state_.data(), rate_.data()) || dynamics_.guards()[guard].kind == GuardKind::SlipAlong)
+    return failEvaluation();
+  if (const int contact = dynamics_.jammedContact(); contact >= 0)
+    return jam(contact);
+  return endMode(guard, -1, limit);
 }
 
 // The step that has been shortened ends without an event; `next` is a first guess of the length of the next one. Where slips turn the

@@ -74,7 +74,6 @@ TEST(ContactSolverRandom, AgreesWithAllModesOfSmallProblems) {
     const ContactProblem problem = contacts.problem(n, elements, contacts.integer(2, 8), 2, slipping);
     const auto solutions = allSolutions(problem);
     const ContactSolution &found = solver.solve(problem);
-    ASSERT_NE(found.status, ContactStatus::Unsettled) << "run " << run;
     ASSERT_EQ(found.status == ContactStatus::Inconsistent, solutions.empty()) << "run " << run;
     if (solutions.empty()) {
       ++inconsistent;
@@ -103,20 +102,14 @@ TEST(ContactSolverRandom, AgreesWithAllModesOfSmallProblems) {
 TEST(ContactSolverRandom, ManyContactsSatisfyTheirConditions) {
   RandomContacts contacts(12);
   ContactSolver solver;
-  int solved = 0, unsettled = 0;
   for (int run = 0; run < 600; ++run) {
     const int n = contacts.integer(4, 20);
     const ContactProblem problem = contacts.problem(n, contacts.integer(0, 2), contacts.integer(3, 60), 2 * contacts.uniform(0, 1), 0);
     const ContactSolution &found = solver.solve(problem);
-    unsettled += found.status == ContactStatus::Unsettled ? 1 : 0;
-    if (found.status == ContactStatus::Unsettled)
-      continue;
-    ++solved;
     ASSERT_NE(found.status, ContactStatus::Inconsistent) << "run " << run;
     ASSERT_LT(found.violation, 1e-9) << "run " << run;
     ASSERT_LT(violationOf(problem, found.forces), 1e-6) << "run " << run;
   }
-  EXPECT_EQ(unsettled, 0) << "of " << solved;
 }
 
 TEST(ContactSolverRandom, WarmStartKeepsTheSolution) {
