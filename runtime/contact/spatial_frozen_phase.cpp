@@ -241,10 +241,17 @@ void SpatialFrozenPhase::Workspace::finishEvent(const Watch &event) {
 }
 
 // What is left of velocities that slips came to rest from is within what counts as still. An approach no faster than that, or than the one
-// that a contact was given to start the impulse, need be none of any motion: redundant contacts cannot end it.
+// that a contact was given to start the impulse, need be none of any motion, and redundant contacts cannot end it; but what it has stopped
+// by friction meanwhile would be the work of rounding errors.
 bool SpatialFrozenPhase::Workspace::giveUp(bool ends) {
+  constexpr double hardly = 1e-5;
   bool any = restitution.giveUp(velocity, force, [this](int) { return stillSpeed; }, ends);
-  for (int i = 0; ends && i < n; ++i)
+  if (!ends)
+    return any;
+  for (int j = 0; j < m; ++j)
+    if (std::abs(velocity[n + j] - problem->slipVelocity[j]) > hardly * scale)
+      return any;
+  for (int i = 0; i < n; ++i)
     if (velocity[i] < 0 && velocity[i] >= -(i == startContact ? std::max(stillSpeed, startSpeed) : stillSpeed)) {
       velocity[i] = 0;
       any = true;

@@ -44,16 +44,8 @@ FrozenProblem problemOf(const SpatialBody &body, const Eigen::VectorXd &velocity
   return problem;
 }
 
-// A sphere of mass 1 with contacts at its lowest point and at a wall (normal y), that falls and slides along x; rows are (floor, wall),
-// then (x, y) on the floor and (x, z) at the wall.
-FrozenProblem sphereInCorner() {
-  Eigen::Matrix<double, 6, 6> rows;  // times (v, R ω)
-  rows << 0, 0, 1, 0, 0, 0,          //
-      0, 1, 0, 0, 0, 0,              //
-      1, 0, 0, 0, -1, 0,             //
-      0, 1, 0, 1, 0, 0,              //
-      1, 0, 0, 0, 0, 1,              //
-      0, 0, 1, -1, 0, 0;
+// A sphere of mass 1; rows times (v, R ω).
+FrozenProblem sphereAtTwoPoints(const Eigen::Matrix<double, 6, 6> &rows, double friction) {
   Eigen::Vector<double, 6> response;
   response << 1, 1, 1, 2.5, 2.5, 2.5;
   FrozenProblem problem;
@@ -61,12 +53,56 @@ FrozenProblem sphereInCorner() {
   problem.delassus.map() = rows * response.asDiagonal() * rows.transpose();
   problem.owner = {0, 0, 1, 1};
   problem.partner = {1, 0, 3, 2};
-  problem.friction.assign(4, 0.4);
+  problem.friction.assign(4, friction);
+  return problem;
+}
+
+// A sphere with contacts at its lowest point and at a wall (normal y), that falls and slides along x; rows are (floor, wall),
+// then (x, y) on the floor and (x, z) at the wall.
+FrozenProblem sphereInCorner() {
+  Eigen::Matrix<double, 6, 6> rows;
+  rows << 0, 0, 1, 0, 0, 0,  //
+      0, 1, 0, 0, 0, 0,      //
+      1, 0, 0, 0, -1, 0,     //
+      0, 1, 0, 1, 0, 0,      //
+      1, 0, 0, 0, 0, 1,      //
+      0, 0, 1, -1, 0, 0;
+  FrozenProblem problem = sphereAtTwoPoints(rows, 0.4);
   problem.restitution.assign(2, 0.3);
   problem.normalVelocity = {-1, 0};
   problem.slipVelocity = {3, 0, 3, 0};
   problem.resolution = 1e-13;
   return problem;
+}
+
+// A sphere that slides along y between two walls that it just fits (normals x and −x); rows are (left, right), then (y, z) of
+// each.
+FrozenProblem sphereBetweenWalls(double friction, double approach) {
+  Eigen::Matrix<double, 6, 6> rows;
+  rows << 1, 0, 0, 0, 0, 0,  //
+      -1, 0, 0, 0, 0, 0,     //
+      0, 1, 0, 0, 0, -1,     //
+      0, 0, 1, 0, 1, 0,      //
+      0, 1, 0, 0, 0, 1,      //
+      0, 0, 1, 0, -1, 0;
+  FrozenProblem problem = sphereAtTwoPoints(rows, friction);
+  problem.normalVelocity = {-approach, 0};
+  problem.slipVelocity = {1, 0, 1, 0};
+  return problem;
+}
+
+// No impulse ends an approach that redundant rows have by rounding only: it ends where it changes nothing, and is no impact that stops the
+// slip.
+TEST(SpatialFrozenPhase, AnApproachOfRoundingBetweenWallsStopsNothing) {
+  constexpr double rounding = 1e-11;
+  SpatialFrozenPhase phase;
+  const FrozenResult &smooth = phase.run(sphereBetweenWalls(0, rounding), -1);
+  EXPECT_EQ(smooth.status, FrozenStatus::Finished);
+  EXPECT_NEAR(smooth.velocity[0], 0, rounding);
+  EXPECT_EQ(smooth.velocity[2], 1);
+  EXPECT_EQ(smooth.velocity[4], 1);
+  EXPECT_EQ(phase.run(sphereBetweenWalls(0.3, rounding), -1).status, FrozenStatus::Unbounded);
+  EXPECT_EQ(phase.run(sphereBetweenWalls(0, 0.1), -1).status, FrozenStatus::Unbounded);
 }
 
 // Friction on the floor is along the wall, but for a rounding error of its response, which must not press the sphere against the wall.
