@@ -235,7 +235,7 @@ ConeFrictionSolver::LineSearch ConeFrictionSolver::shorten(const Eigen::VectorXd
   LineSearch found{1, std::numeric_limits<double>::infinity()};
   for (double length = 1; length > shortest; length *= 0.5) {
     const Eigen::VectorXd force = from + length * step;
-    residual(force, delassus_ * force + bias_, false);
+    residual(force, response_ * force + bias_, false);
     if (residual_.norm() < found.norm)
       found = {length, residual_.norm()};
     if (found.norm <= (1 - 1e-4 * length) * norm)
@@ -314,7 +314,7 @@ void ConeFrictionSolver::setSmoothing(double smoothing) {
 // Fukushima, SIAM Journal on Optimization 15, 2005): also where forces are not unique.
 bool ConeFrictionSolver::followSmoothing() {
   const int count = static_cast<int>(residual_.size());
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(count), from(count), step(count);
+  Eigen::VectorXd force = Eigen::VectorXd::Zero(count), step(count);
   Eigen::PartialPivLU<Eigen::MatrixXd> factor(count);
   for (double smoothing = 1; smoothing > lastSmoothing; smoothing *= smoothingReduction) {
     setSmoothing(smoothing);
@@ -324,14 +324,7 @@ bool ConeFrictionSolver::followSmoothing() {
       step = -factor.compute(jacobian_).solve(residual_);
       if (!step.allFinite())
         break;
-      from = force;
-      const double norm = residual_.norm();
-      for (double length = 1; length > 1e-4; length *= 0.5) {
-        force = from + length * step;
-        residual(force, response_ * force + bias_, false);
-        if (residual_.norm() <= (1 - 1e-4 * length) * norm)
-          break;
-      }
+      force += shorten(force, step, residual_.norm(), 1e-4).length * step;
       residual(force, response_ * force + bias_, true);
     }
     setSmoothing(0);

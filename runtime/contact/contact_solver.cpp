@@ -410,8 +410,7 @@ void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const C
   labelMode(problem, preferred);
   // Where solutions are about to end, two of them meet, and Newton's method comes no nearer; what is zero is told as coarsely then. Forces
   // that all methods leave away from a solution have none; the frictional impulse that follows proves it, or changes nothing.
-  constexpr double near = 1e-8;
-  if (!found.solved && found.violation > near) {
+  if (!found.solved && found.violation > settings.nearby) {
     solution.status = ContactStatus::Inconsistent;
     solution.forced = findForced(problem);
     return;

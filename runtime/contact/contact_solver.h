@@ -23,6 +23,7 @@ public:
   // Equality of forces and accelerations with zero, relative to the problem's scale.
   struct Settings {
     double feasibility = 1e-10;   // accepted violation of a condition
+    double nearby = 1e-8;         // of slips of two components as well, where no method comes nearer
     double degeneracy = 1e-9;     // below: the row is decided by its next derivative
     bool listsDegenerate = true;  // false: nobody asks which rows these are
   };

@@ -504,7 +504,7 @@ int ModeDynamics::jammedContact(double pressing) {
   for (const Jam &jam : jammedNormals(problem_, contactMode_))
     if (!(closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_))
       return rows_.contacts()[jam.row];
-  if (!isNearSharedPole())
+  if (constexpr double near = 1e-3; !isNearSharedPole(near))
     return -1;
   // Of redundant contacts that jam one another each may be right alone.
   const auto normals = rowForces().first(rows_.normalCount());

@@ -282,10 +282,9 @@ private:
   void stopPair(int pair) { stops_[slips_.row(pair)] = stops_[slips_.row(pair) + 1] = 1; }
   void complete();
   [[nodiscard]] std::span<const double> rowForces() const { return isFolded_ ? folded_.forces() : forces_.forces(); }
-  // Redundant contacts together press themselves in: their forces have grown beyond all bounds, or changed their signs there.
-  [[nodiscard]] bool isBeyondSharedPole() const;
-  // Or are about to: they are as large that no step follows them any further.
-  [[nodiscard]] bool isNearSharedPole() const;
+  // Redundant contacts together press themselves in: their load is no more than about this part of their forces, which have grown beyond
+  // all bounds, or changed their signs there (0).
+  [[nodiscard]] bool isNearSharedPole(double part) const;
   [[nodiscard]] std::span<const double> marginValues() const { return isFolded_ ? folded_.marginValues() : forces_.marginValues(); }
   bool solveSliding();
   // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D;

@@ -196,7 +196,7 @@ void ModeDynamics::guardValues(std::span<const int> guards, double *values, doub
 }
 
 bool ModeDynamics::isPole(int guard) const {
-  if (isBeyondSharedPole())
+  if (isNearSharedPole(0))
     return true;
   const double begin = guards_[guard].scale;
   if (forces_.margins()[guards_[guard].index].limit.row != ModeMargin::pressing) {
@@ -208,11 +208,8 @@ bool ModeDynamics::isPole(int guard) const {
   return std::any_of(rowForces().begin(), rowForces().end(), [begin](double force) { return !(std::abs(force) <= finite * begin); });
 }
 
-bool ModeDynamics::isBeyondSharedPole() const { return forces_.redundant() && forces_.mayPress() && marginValues().back() <= 0; }
-
-bool ModeDynamics::isNearSharedPole() const {
-  constexpr double near = 1e-3;
-  return forces_.redundant() && forces_.mayPress() && marginValues().back() <= near * forces_.pressing().scale;
+bool ModeDynamics::isNearSharedPole(double part) const {
+  return forces_.redundant() && forces_.mayPress() && marginValues().back() <= part * forces_.pressing().scale;
 }
 
 bool ModeDynamics::isAtPole() const {

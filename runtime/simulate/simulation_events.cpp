@@ -19,7 +19,7 @@ void Simulation::Implementation::readApproaches() {
 // From the state at time_ to a mode that can go on: impacts until nothing approaches, then the mode. Transitions are appended.
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, EventHint hint) {
   constexpr int mostPasses = 50, mostImpulses = 40;
-  int impulses = 0;  // frictional ones; so many have changed nothing
+  int impulses = 0, forced = -1;  // of friction, `mostImpulses` of which have changed nothing, and the contact of the last one
   approaches_.clear();
   // An impulse, which makes another pass, makes another normal force, and touching contacts move.
   for (int pass = 0; pass < mostPasses; ++pass, hint.forceless = -1, hint.keepsOpen = false) {
@@ -41,7 +41,8 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
         if (selection_.keepOpen(arrived, state_.data()))
           continue;
       }
-      if (const tf_status status = freeze(transitions, selection.contact); status != TF_OK)
+      forced = selection.contact;
+      if (const tf_status status = freeze(transitions, forced); status != TF_OK)
         return status;
       continue;
     case SelectionStatus::Failed:
@@ -54,8 +55,11 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
       return enterMode(selection, transitions);
     }
   }
-  const std::string text = failures_.undefinedContact(time_, state_.data());
-  return failAt(text.empty() ? "no consistent continuation after the impact" : text);
+  if (const std::string text = failures_.undefinedContact(time_, state_.data()); !text.empty())
+    return failAt(text);
+  return failAt(forced < 0 ? "no consistent continuation after the impact"
+                           : fmt::format("no consistent continuation after {} frictional impulses, the last of {}", impulses,
+                                         elementText(model_, forced)));
 }
 
 tf_status Simulation::Implementation::enterMode(const Selection &selection, std::vector<Transition> &transitions) {
