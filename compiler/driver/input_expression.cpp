@@ -41,18 +41,29 @@ public:
     return names;
   }
 
-  // Reports everything but parameters.
-  void check(const flat::Expr &expression, Diagnostics &diagnostics) const {
-    if (expression.kind == flat::ExprKind::Variable && variable(expression.variable).kind != TF_KIND_PARAMETER)
-      diagnostics.report(diag::NotInExpression, expression.span, variable(expression.variable).name);
+  // Reports everything but functions of time and parameters, and notes these.
+  void check(const flat::Expr &expression, const SourceManager &sources, Diagnostics &diagnostics) {
+    if (expression.kind == flat::ExprKind::Derivative ||
+        (expression.kind == flat::ExprKind::Call && expression.function == flat::Function::Initial)) {
+      diagnostics.report(diag::NotInExpression, expression.span, sources.text(expression.span));
+      return;
+    }
+    if (expression.kind == flat::ExprKind::Variable) {
+      if (const tf_variable &used = variable(expression.variable); used.kind == TF_KIND_PARAMETER)
+        uses_.push_back({used.index, expression.span});
+      else
+        diagnostics.report(diag::NotInExpression, expression.span, used.name);
+    }
     for (const flat::ExprPtr &argument : expression.args)
-      check(*argument, diagnostics);
+      check(*argument, sources, diagnostics);
   }
 
   [[nodiscard]] double value(flat::VariableId id) const {
     const double parameter = instance_.parameters()[static_cast<std::size_t>(variable(id).index)];
     return references_[static_cast<std::size_t>(id)].sign * parameter;
   }
+
+  [[nodiscard]] const std::vector<InputExpression::Use> &uses() const { return uses_; }
 
 private:
   [[nodiscard]] const tf_variable &variable(flat::VariableId id) const {
@@ -61,6 +72,7 @@ private:
 
   const ModelInstance &instance_;
   std::vector<ModelInstance::Reference> references_;
+  std::vector<InputExpression::Use> uses_;
 };
 
 // Boolean quantities take relations, all others numbers.
@@ -99,7 +111,7 @@ std::optional<InputExpression> InputExpression::parse(const std::string &name, c
   const flat::ExprPtr typed = typeExpression(
       session.sources, file, [&](const std::string &variable) { return scope.resolve(variable); }, scope.parameterNames(), diagnostics);
   if (typed) {
-    scope.check(*typed, diagnostics);
+    scope.check(*typed, session.sources, diagnostics);
     checkType(*typed, name, instance, diagnostics);
   }
   if (!typed || diagnostics.errorCount() > errors)
@@ -120,22 +132,19 @@ std::optional<InputExpression> InputExpression::parse(const std::string &name, c
     diagnostics.report(diag::RefusedSetting, {}, name + "=" + text, reason);
     return std::nullopt;
   }
-  return InputExpression(std::move(folded), startTime, horizon);
+  return InputExpression(std::move(folded), scope.uses(), startTime, horizon);
 }
 
-InputExpression::InputExpression(flat::ExprPtr expression, double startTime, double horizon)
-    : expression_(std::move(expression)), resolution_((horizon - startTime) / samples), horizon_(horizon) {
+InputExpression::InputExpression(flat::ExprPtr expression, std::vector<Use> uses, double startTime, double horizon)
+    : expression_(std::move(expression)), uses_(std::move(uses)), resolution_((horizon - startTime) / samples), horizon_(horizon) {
   append(startTime);
 }
 
 void InputExpression::append(double from) {
-  // Decisions are those just after the piece's beginning: far enough that one that changes there is made, near enough that none is passed
-  // over.
-  const double inside = from + 1e-12 * std::max(1.0, std::abs(from));
-  std::vector<flat::ExprPtr> switching;
-  Piece piece{from, std::numeric_limits<double>::infinity(), smoothPiece(expression_, inside, switching)};
-  for (const flat::ExprPtr &function : switching)
-    piece.to = std::min(piece.to, firstZero(function, inside, horizon_, resolution_));
+  std::vector<DecidingFunction> deciding;
+  Piece piece{from, std::numeric_limits<double>::infinity(), smoothPiece(expression_, from, resolution_, deciding)};
+  for (const DecidingFunction &one : deciding)
+    piece.to = std::min(piece.to, firstZero(one.function, one.from, horizon_, resolution_));
   pieces_.push_back(std::move(piece));
 }
 

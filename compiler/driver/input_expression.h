@@ -23,6 +23,12 @@ public:
   static std::optional<InputExpression> parse(const std::string &name, const std::string &text, const runtime::ModelInstance &instance,
                                               double startTime, double horizon, Session &session);
 
+  // A parameter's place in the text.
+  struct Use {
+    std::int32_t parameter;  // of ModelInstance::parameters()
+    Span span;
+  };
+  [[nodiscard]] const std::vector<Use> &uses() const { return uses_; }
   [[nodiscard]] bool isConstant() const { return expression_->kind == flat::ExprKind::Literal; }
   // The value at `time` of the smooth piece that `segment` lies in; NaN where it cannot be computed.
   double value(double time, double segment);
@@ -36,13 +42,14 @@ private:
     flat::ExprPtr smooth;
   };
 
-  InputExpression(flat::ExprPtr expression, double startTime, double horizon);
+  InputExpression(flat::ExprPtr expression, std::vector<Use> uses, double startTime, double horizon);
 
   void append(double from);
   // The piece that the time lies in; the one that begins there at a breakpoint.
   const Piece &pieceAt(double time);
 
   flat::ExprPtr expression_;  // parameters folded: what is no literal depends on time
+  std::vector<Use> uses_;
   double resolution_, horizon_;
   std::vector<Piece> pieces_;  // in order, without gaps, as far as they were asked for
 };

@@ -63,6 +63,7 @@ public:
       auto expression = InputExpression::parse(setting->name, setting->value, instance_, span_.start, span_.stop, session_);
       if (!expression)
         continue;
+      checkDependence(*setting, *expression);
       result.push_back(std::make_unique<InputExpression>(std::move(*expression)));
       const auto value = [](void *data, double time, double segment) { return static_cast<InputExpression *>(data)->value(time, segment); };
       const auto breakpoint = [](void *data, double time) { return static_cast<InputExpression *>(data)->nextBreakpoint(time); };
@@ -94,7 +95,30 @@ private:
       session_.diagnostics.report(diag::NeedsConstant, {}, setting.name);
       return std::nullopt;
     }
+    if (expression)
+      checkDependence(setting, *expression);
     return expression ? std::optional(expression->value(span_.start, span_.start)) : std::nullopt;
+  }
+
+  // The model takes the values of expressions, not the expressions: derivatives by what they depend on would be wrong.
+  void checkDependence(const Setting &setting, const InputExpression &expression) {
+    constexpr double change = 1e-3;
+    for (const std::string &name : options_.sensitivities) {
+      const auto reference = instance_.find(name);
+      if (!reference || prepared_.model().variables[reference->variable].kind != TF_KIND_PARAMETER)
+        continue;
+      const tf_variable &parameter = prepared_.model().variables[reference->variable];
+      const double value = instance_.parameters()[static_cast<std::size_t>(parameter.index)];
+      ModelInstance other = instance_;
+      other.nudge(reference->variable, change * (value != 0 ? value : 1), span_.start);
+      for (const InputExpression::Use &use : expression.uses()) {
+        const auto index = static_cast<std::size_t>(use.parameter);
+        if (instance_.parameters()[index] == other.parameters()[index])
+          continue;
+        session_.diagnostics.report(diag::HiddenDependence, use.span, setting.name, parameter.name, name);
+        break;
+      }
+    }
   }
 
   void constant(const Setting &setting) {

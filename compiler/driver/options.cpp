@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -215,7 +216,9 @@ struct RunSyntax : Syntax {
     options.verbose = verbose;
     options.noCache = noCache;
     options.checkInvariants = checkInvariants;
-    options.sensitivities = sensitivities;
+    for (const std::string &name : sensitivities)
+      if (std::find(options.sensitivities.begin(), options.sensitivities.end(), name) == options.sensitivities.end())
+        options.sensitivities.push_back(name);
     options.variables = variables;
     checkCombinations(options, diagnostics);
   }

@@ -43,7 +43,7 @@ struct RunOptions : ModelOptions {
   std::string output, eventLog;
   bool quiet = false, verbose = false, noCache = false;
   bool checkInvariants = false;
-  std::vector<std::string> sensitivities;  // --sensitivity, as written
+  std::vector<std::string> sensitivities;  // --sensitivity, as written, each once
   std::vector<std::string> variables;      // --variables, patterns as written
 };
 

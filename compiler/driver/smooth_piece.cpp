@@ -61,59 +61,100 @@ bool isDecision(const Expr &expression) {
   return isRelation(expression) || (expression.kind == ExprKind::Call && flat::hasSeams(expression.function));
 }
 
-// Makes the decisions of one time and notes what decides them.
+// The largest terms that the value at a time is the sum of: what it is rounded relative to.
+double magnitudeAt(const ExprPtr &expression, double time) {
+  if (expression->kind == ExprKind::Unary)
+    return magnitudeAt(expression->args[0], time);
+  if (expression->kind == ExprKind::Binary) {
+    const auto part = [&](std::size_t k) { return magnitudeAt(expression->args[k], time); };
+    switch (expression->op) {
+    case Operator::Plus:
+    case Operator::Minus:
+      return part(0) + part(1);
+    case Operator::Times:
+    case Operator::DotTimes:
+      return part(0) * part(1);
+    case Operator::Divide:
+    case Operator::DotDivide:
+      return part(0) / std::abs(valueAt(expression->args[1], time));
+    default:
+      break;
+    }
+  }
+  return std::abs(valueAt(expression, time));
+}
+
+// Makes the decisions that hold just after a time and notes what decides them.
 class Decider {
 public:
-  Decider(double segment, std::vector<ExprPtr> &switching) : segment_(segment), switching_(switching) {}
+  Decider(double begin, double resolution, std::vector<DecidingFunction> &deciding)
+      : begin_(begin), shortest_(1e-12 * std::max(1.0, std::abs(begin))), longest_(std::max(resolution, shortest_)), deciding_(deciding) {}
 
   ExprPtr decide(const ExprPtr &expression) {
     if (expression->args.empty())
       return expression;
     if (expression->kind == ExprKind::If)
-      return decide(expression->args[valueAt(decide(expression->args[0]), segment_) != 0 ? 1 : 2]);
+      return decide(expression->args[valueAt(decide(expression->args[0]), inside()) != 0 ? 1 : 2]);
     std::vector<ExprPtr> args;
     for (const ExprPtr &argument : expression->args)
       args.push_back(decide(argument));
     if (isRelation(*expression))
-      return relation(*expression, std::move(args));
+      return relation(*expression, args);
     return isDecision(*expression) ? call(*expression, args) : withArguments(*expression, std::move(args));
   }
 
 private:
-  ExprPtr relation(const Expr &original, std::vector<ExprPtr> args) {
-    if (args[0]->type.base == Base::Real || args[1]->type.base == Base::Real)
-      note(binary(Operator::Minus, args[0], args[1]));
-    const double value = valueAt(withArguments(original, std::move(args)), segment_);
-    return literalLike(original, {value});
+  // Far enough that a decision that changes at the begin has been made, near enough that none is passed over.
+  [[nodiscard]] double inside() const { return begin_ + shortest_; }
+
+  // The function's sign after the begin, which it keeps until it passes zero.
+  int decideBy(const ExprPtr &function) {
+    constexpr double rounding = 8 * std::numeric_limits<double>::epsilon(), growth = 4;
+    double time = inside(), value = valueAt(function, time);
+    if (!isLiteral(function)) {
+      double clear = time;
+      for (double length = shortest_; std::abs(value) <= rounding * magnitudeAt(function, clear); length *= growth) {
+        clear = begin_ + std::min(length, longest_);
+        value = valueAt(function, clear);
+        if (length >= longest_)
+          break;
+      }
+      const bool isClear = std::abs(value) > rounding * magnitudeAt(function, clear) || std::isnan(value);
+      deciding_.push_back({function, isClear ? clear : time});
+      if (!isClear)
+        return 0;
+    }
+    return value < 0 ? -1 : value > 0 ? 1 : 0;
+  }
+
+  ExprPtr relation(const Expr &original, const std::vector<ExprPtr> &args) {
+    const bool isOfReals = args[0]->type.base == Base::Real || args[1]->type.base == Base::Real;
+    if (!isOfReals)
+      return literalLike(original, {valueAt(withArguments(original, args), inside())});
+    const std::vector<ExprPtr> signAndZero = {realLiteral(decideBy(binary(Operator::Minus, args[0], args[1])), original.span),
+                                              realLiteral(0, original.span)};
+    return literalLike(original, {valueAt(withArguments(original, signAndZero), inside())});
   }
 
   ExprPtr call(const Expr &original, const std::vector<ExprPtr> &args) {
     const ExprPtr &x = args[0];
     switch (original.function) {
     case Function::Abs:
-      note(x);
-      return binary(Operator::Times, realLiteral(valueAt(x, segment_) < 0 ? -1 : 1, original.span), x);
+      return binary(Operator::Times, realLiteral(decideBy(x) < 0 ? -1 : 1, original.span), x);
     case Function::Sign:
-      note(x);
-      return literalLike(original, {valueAt(withArguments(original, args), segment_)});
+      return literalLike(original, {static_cast<double>(decideBy(x))});
     case Function::Min:
-    case Function::Max: {
-      const ExprPtr difference = binary(Operator::Minus, x, args[1]);
-      note(difference);
-      return (valueAt(difference, segment_) < 0) == (original.function == Function::Min) ? x : args[1];
-    }
+    case Function::Max:
+      return (decideBy(binary(Operator::Minus, x, args[1])) < 0) == (original.function == Function::Min) ? x : args[1];
     case Function::Floor:
     case Function::Integer:
-      return realLiteral(level(x, std::floor(valueAt(x, segment_)), 0, 1), original.span);
+      return realLiteral(floorOf(x), original.span);
     case Function::Ceil:
-      return realLiteral(level(x, std::ceil(valueAt(x, segment_)), -1, 0), original.span);
+      return realLiteral(ceilOf(x), original.span);
     case Function::Div:
       return realLiteral(truncated(quotient(args)), original.span);
-    case Function::Mod: {  // x - floor(x/y) y
-      const ExprPtr ratio = quotient(args);
-      const double whole = level(ratio, std::floor(valueAt(ratio, segment_)), 0, 1);
-      return binary(Operator::Minus, x, binary(Operator::Times, realLiteral(whole, original.span), args[1]));
-    }
+    case Function::Mod:  // x - floor(x/y) y
+      return binary(Operator::Minus, x, binary(Operator::Times, realLiteral(floorOf(quotient(args)), original.span), args[1]));
     default:  // rem: x - div(x, y) y
       return binary(Operator::Minus, x, binary(Operator::Times, realLiteral(truncated(quotient(args)), original.span), args[1]));
     }
@@ -121,25 +162,27 @@ private:
 
   static ExprPtr quotient(const std::vector<ExprPtr> &args) { return binary(Operator::Divide, args[0], args[1]); }
 
-  // The whole number `value`, which stands while x is between value + below and value + above.
-  double level(const ExprPtr &x, double value, double below, double above) {
-    note(binary(Operator::Minus, x, realLiteral(value + below, x->span)));
-    note(binary(Operator::Minus, x, realLiteral(value + above, x->span)));
-    return value;
+  int decideAgainst(const ExprPtr &x, double level) { return decideBy(binary(Operator::Minus, x, realLiteral(level, x->span))); }
+
+  // Whole numbers that stand while x is between them and the next one.
+  double floorOf(const ExprPtr &x) {
+    const double nearest = std::round(valueAt(x, inside()));
+    const bool isBelow = decideAgainst(x, nearest) < 0;
+    decideAgainst(x, isBelow ? nearest - 1 : nearest + 1);
+    return isBelow ? nearest - 1 : nearest;
   }
 
-  double truncated(const ExprPtr &x) {
-    const double value = std::trunc(valueAt(x, segment_));
-    return level(x, value, value > 0 ? 0 : -1, value < 0 ? 0 : 1);
+  double ceilOf(const ExprPtr &x) {
+    const double nearest = std::round(valueAt(x, inside()));
+    const bool isAbove = decideAgainst(x, nearest) > 0;
+    decideAgainst(x, isAbove ? nearest + 1 : nearest - 1);
+    return isAbove ? nearest + 1 : nearest;
   }
 
-  void note(const ExprPtr &function) {
-    if (!isLiteral(function))
-      switching_.push_back(function);
-  }
+  double truncated(const ExprPtr &x) { return decideBy(x) < 0 ? ceilOf(x) : floorOf(x); }
 
-  double segment_;
-  std::vector<ExprPtr> &switching_;
+  double begin_, shortest_, longest_;
+  std::vector<DecidingFunction> &deciding_;
 };
 
 struct Affine {
@@ -265,8 +308,8 @@ double valueAt(const ExprPtr &expression, double time) {
   return values && values->size() == 1 ? values->front() : kNaN;
 }
 
-ExprPtr smoothPiece(const ExprPtr &expression, double segment, std::vector<ExprPtr> &switching) {
-  return Decider(segment, switching).decide(expression);
+ExprPtr smoothPiece(const ExprPtr &expression, double begin, double resolution, std::vector<DecidingFunction> &deciding) {
+  return Decider(begin, resolution, deciding).decide(expression);
 }
 
 ExprPtr arrayDecision(const ExprPtr &expression) {

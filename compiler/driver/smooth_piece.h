@@ -16,9 +16,17 @@ namespace tf::driver {
 // The value of a folded expression; NaN if it has none.
 [[nodiscard]] double valueAt(const flat::ExprPtr &expression, double time);
 
-// `expression` with all decisions (relations, branches, abs, sign, min, max, floor…) as they are at `segment`: smooth. The functions of
-// time that decide are appended to `switching`; the decisions hold until one of them passes zero.
-[[nodiscard]] flat::ExprPtr smoothPiece(const flat::ExprPtr &expression, double segment, std::vector<flat::ExprPtr> &switching);
+// A function of time that decides, and a time from which on it is clear of zero: before, it may be zero but for rounding.
+struct DecidingFunction {
+  flat::ExprPtr function;
+  double from;
+};
+
+// `expression` with all decisions (relations, branches, abs, sign, min, max, floor…) as they are just after `begin`: smooth. The functions
+// of time that decide are appended to `deciding`; the decisions hold until one of them passes zero. A function that is zero at `begin` but
+// for rounding decides by its sign when it has left zero, within `resolution`; one that does not leave it is zero.
+[[nodiscard]] flat::ExprPtr smoothPiece(const flat::ExprPtr &expression, double begin, double resolution,
+                                        std::vector<DecidingFunction> &deciding);
 
 // The first part that would have to be decided element by element, which smoothPiece does not do; null if there is none.
 [[nodiscard]] flat::ExprPtr arrayDecision(const flat::ExprPtr &expression);

@@ -18,6 +18,9 @@ const flat::Expr *findUndifferentiable(const Context &context, const flat::Expr 
   if (expr.kind == flat::ExprKind::Attribute)
     return &expr;
   if (expr.kind == flat::ExprKind::Variable) {
+    // Those of an expression without a model are its user's business.
+    if (context.model.variables.empty())
+      return nullptr;
     const flat::Variable &variable = context.model.variables[static_cast<std::size_t>(expr.variable)];
     return variable.causality == flat::Causality::Input || variable.variability == Variability::Discrete ? &expr : nullptr;
   }

@@ -15,7 +15,7 @@ class Extrapolation {
 public:
   // The differential equation, as `step` asks for it:
   //   bool rate(y, f)          f(y); false where it cannot be evaluated
-  //   void factor(part)        prepares `solve`
+  //   bool factor(part)        prepares `solve`; false where the matrix is singular
   //   void solve(x)            x becomes (I − part f'(y0))⁻¹ x
   // Steps begin at y0, where f is f0.
   void start(const Eigen::VectorXd &y0, const Eigen::VectorXd &f0) {
@@ -83,7 +83,8 @@ private:
 
   template <class Equation> bool midpoint(double h, int count, Equation &equation) {
     const double part = h / count;
-    equation.factor(part);
+    if (!equation.factor(part))
+      return false;
     change_ = part * firstRate_;
     equation.solve(change_);
     after_ = begin_ + change_;

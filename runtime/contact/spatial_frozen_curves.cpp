@@ -72,7 +72,7 @@ double SpatialFrozenPhase::Workspace::responsiveness() const {
 bool SpatialFrozenPhase::Workspace::rate(const Eigen::VectorXd &y, Eigen::VectorXd &f) {
   const int count = n + m;
   point = velocity;
-  Eigen::Map<Eigen::VectorXd>(point.data(), count) += problem->delassus.map() * y.head(count);
+  Eigen::Map<Eigen::VectorXd>(point.data(), count).noalias() += problem->delassus.map() * y.head(count);
   if (!mode.forces(*problem, point, stillSpeed, pointForce))
     return false;
   f.resize(count + n);
@@ -121,17 +121,24 @@ bool SpatialFrozenPhase::Workspace::linearise() {
   return true;
 }
 
-void SpatialFrozenPhase::Workspace::factor(double part) {
+bool SpatialFrozenPhase::Workspace::factor(double part) {
   stepPart = part;
-  turnFactor.compute(Eigen::MatrixXd::Identity(turnByTurn.rows(), turnByTurn.rows()) - part * turnByTurn);
+  const auto size = static_cast<int>(turnByTurn.rows());
+  turnFactor.matrix().resize(size, size);
+  turnFactor.matrix().map() = -part * turnByTurn;
+  turnFactor.matrix().map().diagonal().array() += 1;
+  return size == 0 || turnFactor.factor(0);
 }
 
 // By the matrix inversion lemma: the derivative of P' by P is forceByTurn · turnByForce.
-void SpatialFrozenPhase::Workspace::solve(Eigen::VectorXd &x) const {
+void SpatialFrozenPhase::Workspace::solve(Eigen::VectorXd &x) {
   const int count = n + m;
-  if (!turning.empty())
-    x.head(count) += stepPart * (forceByTurn * turnFactor.solve(turnByForce * x.head(count)));
-  x.tail(n) += stepPart * (problem->delassus.map().topRows(n) * x.head(count));
+  if (!turning.empty()) {
+    turned.noalias() = turnByForce * x.head(count);
+    turnFactor.solve(turned.data());
+    x.head(count).noalias() += stepPart * (forceByTurn * turned);
+  }
+  x.tail(n).noalias() += stepPart * (problem->delassus.map().topRows(n) * x.head(count));
 }
 
 // From `velocity` over h, after integrator.start: `state`, `point` and `pointForce`. False: the step is too long.

@@ -5,6 +5,7 @@
 #include "runtime/contact/cone_friction.h"
 #include "runtime/contact/extrapolation.h"
 #include "runtime/contact/frozen_mode.h"
+#include "runtime/contact/lu_factor.h"
 #include "runtime/contact/numbers.h"
 #include "runtime/contact/planar_friction.h"
 #include "runtime/contact/spatial_frozen_phase.h"
@@ -65,7 +66,8 @@ struct SpatialFrozenPhase::Workspace {
   std::vector<double> point, pointForce;
   std::vector<int> turning;                              // rows of pairs that slip
   Eigen::MatrixXd forceByTurn, turnByForce, turnByTurn;  // dλ/dv of these rows [(n + m) × r], their D [r × (n + m)], the product
-  Eigen::PartialPivLU<Eigen::MatrixXd> turnFactor;       // of I − stepPart · turnByTurn
+  LuFactor turnFactor;                                   // of I − stepPart · turnByTurn
+  Eigen::VectorXd turned;
   double stepPart = 0;
   double integratedLength = 0;  // of the last step; 0: none
   bool isIntegrated = false;    // it was accepted
@@ -119,8 +121,8 @@ struct SpatialFrozenPhase::Workspace {
   double responsiveness() const;
   bool rate(const Eigen::VectorXd &y, Eigen::VectorXd &f);
   bool linearise();
-  void factor(double part);
-  void solve(Eigen::VectorXd &x) const;
+  bool factor(double part);
+  void solve(Eigen::VectorXd &x);
   bool integrate(double h);
   [[nodiscard]] double slope(const Watch &watch) const;
   [[nodiscard]] double sizeOf(const Watch &watch) const;

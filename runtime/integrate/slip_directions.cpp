@@ -64,6 +64,7 @@ bool SlipDirections::update(double time, const double *state) {
   at_.switching(ModelEvaluation::Slips);
   for (Pair &pair : pairs_) {
     pair.held = false;
+    pair.heldSlope = pair.width = 0;
     const double x = at_.slip[pair.modelRow], y = at_.slip[pair.modelRow + 1], speed = std::hypot(x, y);
     // A slow slip keeps its reference direction, unless it is clearly another one, or its mode has begun with it for a zero.
     const bool isAstray = !pair.given && speed > still * pair.scale && along(pair) < 0.5 * speed;
@@ -79,8 +80,29 @@ bool SlipDirections::update(double time, const double *state) {
 }
 
 void SlipDirections::hold(double part) {
-  for (int k = 0; k < count(); ++k)
+  for (int k = 0; k < count(); ++k) {
     pairs_[k].held = part > 0 && speed(k) <= part * pairs_[k].scale;
+    if (part == 0)
+      pairs_[k].heldSlope = pairs_[k].width = 0;
+  }
+}
+
+void SlipDirections::slopesOfSlips(double *slopes) const {
+  for (const Pair &pair : pairs_)
+    *slopes++ = across(pair) / along(pair);
+}
+
+// A slip that can only move along a curve turns evenly until it stops. One that is about to turn round does so ever faster.
+void SlipDirections::aim(const double *earlier, const double *later, double part) {
+  constexpr double even = 0.2, steepest = 0.5;
+  for (Pair &pair : pairs_) {
+    const double slope = 2 * *later - *earlier;
+    const bool isEven = std::abs(*later - *earlier) <= even * std::abs(*later) && std::abs(slope) <= steepest;
+    pair.heldSlope = isEven ? slope : 0;
+    pair.width = isEven ? part * pair.scale : 0;
+    ++earlier;
+    ++later;
+  }
 }
 
 bool SlipDirections::holdStarts(double part) {
@@ -191,10 +213,11 @@ double SlipDirections::speed(int pair) const {
 }
 
 // With x along and y across the reference direction, the direction of friction has the slope y/x, which goes on smoothly where x changes
-// its sign. Below the rounding δ of slips the slope falls to 0 as x y/(x² + δ²).
+// its sign. Below the rounding δ of slips the slope falls to 0 as x y/(x² + δ²), and to the slope s that a slip stops with as
+// (x y + s δ²)/(x² + δ²).
 double SlipDirections::slope(const Pair &pair) const {
-  const double x = along(pair), slow = rounding(pair);
-  return pair.held ? 0 : x * across(pair) / (x * x + slow * slow);
+  const double x = along(pair), slow = pair.held ? pair.width : rounding(pair), rest = pair.heldSlope * slow * slow;
+  return pair.held && slow == 0 ? 0 : (x * across(pair) + rest) / (x * x + slow * slow);
 }
 
 void SlipDirections::align(RowSystem &rows) const {
@@ -264,15 +287,15 @@ void SlipDirections::slipsByVelocity(double *rows) const {
 // Newton's method then goes on along the reference, and finds how friction has to turn.
 double SlipDirections::turning(int pair, int column) const {
   const Pair &p = pairs_[pair];
-  if (p.held)
+  if (p.held && p.width == 0)
     return 0;
   const std::ptrdiff_t columns = at_.model().nq + at_.model().nv;
   const double first = slipByState_[2 * pair * columns + column], second = slipByState_[(2 * pair + 1) * columns + column];
   const double dx = p.c * first + p.s * second, dy = p.c * second - p.s * first;
   const double exact = along(p), y = across(p);
-  const double slow = rounding(p), x = std::abs(exact) < slow ? slow : exact;
+  const double slow = p.held ? p.width : rounding(p), x = std::abs(exact) < slow ? slow : exact;
   const double square = x * x + slow * slow;
-  const double slope = x * y / square;
+  const double slope = (x * y + p.heldSlope * slow * slow) / square;
   return ((x * dy + y * dx) / square - 2 * slope * x * dx / square) / (1 + slope * slope);
 }
 

@@ -63,9 +63,14 @@ public:
   [[nodiscard]] bool turnBack() const;
   // No slip is small any more at the point of the last `renew`.
   [[nodiscard]] bool haveLaunched() const;
-  // The direction of friction is the reference direction, whatever the slip is, for the pairs that are now not faster than `part` of their
+  // The direction of friction is the reference direction (or what `aim` says), whatever the slip is, for the pairs that are now not faster than `part` of their
   // scale, until `renew`, `choose` or the next call; for all others it is that of the slip.
   void hold(double part);
+  // Slopes of the slips at the model's point against their references [count()].
+  void slopesOfSlips(double *slopes) const;
+  // Where slopes at two times, twice as long and once as long before a stop, differ little, directions that `hold` holds are those that they
+  // lead to, and become those of slips that are not small against `part` of their scale; else, as after hold(0), they are the references.
+  void aim(const double *earlier, const double *later, double part);
   // The same, but for those that start at the latest `watchGrowth` alone. False: there are none.
   bool holdStarts(double part);
 
@@ -87,6 +92,7 @@ private:
     double scale = 1;
     bool given = false;  // the reference direction, by the mode that has just begun: it takes the slip for zero
     bool held = false;
+    double heldSlope = 0, width = 0;     // see `aim`: of the direction that is held against the reference, and the slips that have it
     bool grows = false, starts = false;  // at the latest `watchGrowth`
   };
 

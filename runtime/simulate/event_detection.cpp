@@ -566,8 +566,7 @@ void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
 }
 
 bool EventDetection::hasUndefined() const {
-  return std::any_of(awake_.begin(), awake_.end(),
-                     [this](int k) { return std::isnan(end_.value[k]) && !isForceGuard(dynamics_.guards()[k].kind); });
+  return std::any_of(awake_.begin(), awake_.end(), [this](int k) { return std::isnan(end_.value[k]); });
 }
 
 void EventDetection::advance() {

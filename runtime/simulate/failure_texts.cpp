@@ -100,6 +100,10 @@ std::string FailureTexts::startValues(const double *state) const {
   const std::string name = velocity < 0 ? instance_.nameOf(TF_KIND_COORDINATE, i)
                            : other < 0  ? instance_.nameOf(TF_KIND_VELOCITY, velocity)
                                         : instance_.nameOf(TF_KIND_STATE, other);
+  // Starts of rotations are normalised.
+  const std::int32_t *rotations = model_.quaternions;
+  if (std::any_of(rotations, rotations + model_.nr, [i](int first) { return i >= first && i < first + 4; }))
+    return fmt::format("the start of the rotation '{}' is no quaternion: its elements are 0, or no numbers", name.substr(0, name.rfind(".q[")));
   return fmt::format("the start of '{}' is {}", name, nameOfNonFinite(*bad));
 }
 
@@ -110,8 +114,7 @@ std::string FailureTexts::negativeFriction(const Mode *mode) {
       return negativeFrictionOf(model_.contacts[i], at_.friction[i]);
   for (int i = 0; i < model_.nf; ++i)
     if (const double bound = at_.bound[model_.frictions[i].tangent_first]; bound < -negligibleFriction)
-      return fmt::format("the bound of friction element '{}' is {:.6g}, it cannot be negative {}", model_.frictions[i].name, bound,
-                         sourceOf(model_.frictions[i].location));
+      return negativeFrictionOf(model_.frictions[i], bound);
   return {};
 }
 
@@ -134,7 +137,7 @@ std::string FailureTexts::evaluation() {
   case EvaluationFailure::SingularMass:
     return fmt::format("{} at t = {:.10g}", singularMass(), time);
   case EvaluationFailure::SingularContact:
-    if (const std::string text = nonFiniteContact(); !text.empty())
+    if (const std::string text = nonFinite(); !text.empty())
       return fmt::format("{} at t = {:.10g}", text, time);
     return fmt::format("the contact forces have no solution at t = {:.10g}", time);
   case EvaluationFailure::SlidingDiverged:
@@ -142,7 +145,8 @@ std::string FailureTexts::evaluation() {
   case EvaluationFailure::NotFinite:
     break;
   }
-  return fmt::format("{} at t = {:.10g}", nonFinite(), time);
+  const std::string text = nonFinite();
+  return fmt::format("{} at t = {:.10g}", text.empty() ? "a value that is not finite" : text, time);
 }
 
 std::string FailureTexts::place(tf_kind kind, int index) const {
@@ -161,9 +165,7 @@ std::string FailureTexts::nonFinite() {
                          place(TF_KIND_ACCELERATION, i));
   if (std::string text = nonFiniteConstraint(); !text.empty())
     return text;
-  if (std::string text = nonFiniteContact(); !text.empty())
-    return text;
-  return "a value that is not finite";
+  return nonFiniteContact();
 }
 
 std::string FailureTexts::undefinedContact(double time, const double *state) {

@@ -173,12 +173,17 @@ std::string ModeSelection::jump(const double *state) {
   return {};
 }
 
-// The first contact that touches and has a negative coefficient.
-std::string ModeSelection::negativeFriction() const {
-  for (const int i : contacts_)
-    if (at_.friction[i] < -negligibleFriction)
-      return negativeFrictionOf(at_.model().contacts[i], at_.friction[i]);
-  return {};
+// False: a coefficient of a contact that touches, or a bound, is no limit of forces; text_ says which one is negative.
+bool ModeSelection::checkFriction() {
+  const tf_model &model = at_.model();
+  const auto check = [this](const auto &element, double limit) {
+    if (limit < -negligibleFriction)
+      text_ = negativeFrictionOf(element, limit);
+    return text_.empty() && std::isfinite(limit);
+  };
+  return std::all_of(contacts_.begin(), contacts_.end(), [&](int i) { return check(model.contacts[i], at_.friction[i]); }) &&
+         std::all_of(model.frictions, model.frictions + model.nf,
+                     [&](const tf_friction &friction) { return check(friction, at_.bound[friction.tangent_first]); });
 }
 
 // On its surface a switch of time has the side to which time goes, any other one the relation as written.
@@ -334,7 +339,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   // Else chooseRows has called them.
   if (!surfaces_.empty())
     at_.contactTerms(mask_.data());
-  if (text_ = negativeFriction(); !text_.empty())
+  if (!checkFriction())
     return Trial::Failed;
   system_.gather(at_);
   system_.respond(at_);

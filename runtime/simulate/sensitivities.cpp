@@ -56,7 +56,8 @@ void Sensitivities::makeColumn(Column &column, double time) {
   };
   std::vector<double> derivative(static_cast<std::size_t>(n_) + parameters + inputs);
   const double magnitude = variable.kind == TF_KIND_PARAMETER ? std::abs(parameters_[static_cast<std::size_t>(variable.index)]) : 0;
-  difference(all, 1 / std::max({magnitude, std::abs(variable.nominal), 1e-300}), static_cast<int>(derivative.size()), derivative.data());
+  const auto count = static_cast<int>(derivative.size());
+  differenceOfSmooth(all, 1 / std::max({magnitude, std::abs(variable.nominal), 1e-300}), 0, count, derivative.data());
   const auto index = static_cast<Eigen::Index>(&column - columns_.data());
   std::copy_n(derivative.begin(), n_, matrix_.col(index).data());
   column.parameters.assign(derivative.begin() + n_, derivative.begin() + n_ + static_cast<std::ptrdiff_t>(parameters));
@@ -102,8 +103,8 @@ double Sensitivities::scaleOf(const Column &column, const double *direction) con
   for (std::size_t i = 0; i < parameters_.size(); ++i)
     if (column.parameters[i] != 0)
       largest = std::max(largest, std::abs(column.parameters[i]) / (parameters_[i] != 0 ? std::abs(parameters_[i]) : 1.0));
-  for (const double input : column.inputs)
-    largest = std::max(largest, std::abs(input));
+  for (std::size_t i = 0; i < column.inputs.size(); ++i)
+    largest = std::max(largest, std::abs(column.inputs[i]) / std::max(1.0, std::abs(dynamics_.model().input[i])));
   return largest > 0 ? largest : 1;
 }
 
@@ -139,7 +140,7 @@ void Sensitivities::fixSlips(double time, const double *state) {
 
 // d/dθ of the rate along a motion in which slips of two components stay, into b; with that of its state, into rateAndState_. Rows that
 // depend on each other have forces only where the state is what they hold, which θ moves: the state follows.
-bool Sensitivities::differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b) {
+bool Sensitivities::differenceRate(Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b) {
   const int first = dynamics_.model().model().nq, nv = dynamics_.model().model().nv;
   const int extra = movesState() ? n_ : 0;
   const bool follows = dynamics_.hasRedundantRows();
@@ -160,7 +161,13 @@ bool Sensitivities::differenceRate(const Column &column, double time, const doub
     return true;
   };
   rateAndState_.resize(2 * static_cast<std::size_t>(n_));
-  const bool isGood = difference(rate, scaleOf(column, still_.data()), n_ + extra, rateAndState_.data());
+  const double scale = scaleOf(column, still_.data());
+  // Forces of pairs, and those that redundant rows share, come out of iterations and thresholds.
+  const bool isSmooth = !follows && !dynamics_.hasPairs();
+  const double magnitude = Eigen::Map<const Eigen::VectorXd>(rate_.data(), n_).lpNorm<Eigen::Infinity>();
+  const bool isGood = isSmooth ? differenceOfSmooth(rate, scale, magnitude, n_ + extra, rateAndState_.data())
+                               : difference(rate, scale, n_ + extra, rateAndState_.data());
+  column.shortening = isSmooth ? shortening_ : 1;
   shift(column, 0);
   b = Eigen::Map<const Eigen::VectorXd>(rateAndState_.data(), n_);
   return isGood;
@@ -240,7 +247,7 @@ void Sensitivities::allowErrors(const IntegratorSettings &settings, double lengt
   for (Eigen::Index k = 0; k < next_.cols(); ++k) {
     const Column &column = columns_[static_cast<std::size_t>(k)];
     const double whole = seen_.col(k).cwiseQuotient(scale).maxCoeff();
-    const double noise = column.movesModel ? margin * scaleOf(column, still_.data()) / differenceStep : 0;
+    const double noise = column.movesModel ? margin * column.shortening * scaleOf(column, still_.data()) / differenceStep : 0;
     // Rows whose terms are small may have the rounding errors of others, which go into them through M.
     const double mixed = noise * rounded.cwiseQuotient(scale).maxCoeff();
     for (Eigen::Index i = 0; i < n_; ++i) {

@@ -15,6 +15,7 @@
 #include <Eigen/Dense>
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,7 @@ private:
     std::int32_t variable = -1;
     std::vector<double> parameters, inputs;
     bool movesModel = false;  // any of the two is not zero
+    double shortening = 1;    // of the steps of the last differences of the rate, which have as much more rounding
   };
 
   void makeColumn(Column &column, double time);
@@ -87,6 +89,18 @@ private:
   void shift(const Column &column, double s);
   // d/ds at s = 0 of `function`(s, values), by central differences, or one-sided ones where one side cannot be evaluated.
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
+  // The same of a function without jumps and thresholds, which may have another scale than that of its values: of a frequency after many
+  // periods, of what is small beside its nominal value. Steps are shortened as far as that pays, by shortening_ in the end. `magnitude`: of
+  // terms that the values are sums of, and have the rounding errors of, where these are larger than the values.
+  template <class Function>
+  bool differenceOfSmooth(const Function &function, double scale, double magnitude, int count, double *derivative);
+  // What a difference is wrong by, relative to how much the values change: at least about that. 1: nothing is known.
+  struct DifferenceError {
+    double truncation = 0, total = 0;  // total: with rounding
+  };
+  // The same with the step h.
+  template <class Function>
+  std::optional<DifferenceError> differenceAt(const Function &function, double h, double magnitude, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
   // A and b at an end of a piece.
   struct Border {
@@ -119,7 +133,7 @@ private:
   bool eventTimes(double time, const double *state, const double *rate, int guard, Eigen::VectorXd &times);
   bool inhomogeneity(double time, const double *state, const Eigen::MatrixXd &slope, Eigen::Ref<Eigen::MatrixXd> b);
   [[nodiscard]] bool movesState() const { return slips_.size() > 0 || dynamics_.hasRedundantRows(); }
-  bool differenceRate(const Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);
+  bool differenceRate(Column &column, double time, const double *state, Eigen::Ref<Eigen::VectorXd> b);
   void fixSlips(double time, const double *state);
   // sensitivities_of_hops.cpp
   bool differentiateRate(double time, const double *state, int contact, Eigen::VectorXd &change);
@@ -149,7 +163,8 @@ private:
   std::vector<double> hopState_;
   std::vector<int> landings_;  // contacts of the event that has begun
   int eventsSinceStep_ = 0;    // that have ended
-  std::vector<double> state_, rate_, samples_;
+  std::vector<double> state_, rate_, samples_, finer_;
+  double shortening_ = 1;
   double held_ = 0;                 // of addStep
   std::vector<double> refinement_;  // of each column's differences of a map
   LinearCollocation gauss_, damped_;

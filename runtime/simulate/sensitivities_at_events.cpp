@@ -91,7 +91,7 @@ bool Sensitivities::differentiateGap(double time, const double *state, int conta
       return true;
     };
     double byModel = 0;
-    difference(gap, scaleOf(columns_[k], still_.data()), 1, &byModel);
+    differenceOfSmooth(gap, scaleOf(columns_[k], still_.data()), at.scales.gap(contact, state_.data()), 1, &byModel);
     shift(columns_[k], 0);
     change[static_cast<Eigen::Index>(k)] += byModel;
   }

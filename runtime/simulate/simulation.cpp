@@ -391,6 +391,39 @@ tf_status Simulation::Implementation::failStep(StepStatus status) {
   return failAt(rapidSwitch() + fmt::format("the integrator cannot meet tolerance {:.3g}", owner_.options.tolerance));
 }
 
+// The first event of the integrator's step, which becomes shorter where it could not be searched as a whole; no guard: none.
+tf_status Simulation::Implementation::searchStep(DetectedEvent &event) {
+  SmoothIntegrator &integrator = integrators_.current();
+  event = detection_.detect();
+  while (event.guard < 0 && detection_.searchedTo() < integrator.endTime()) {
+    if (!integrator.shorten(detection_.searchedTo()))
+      return failStep(StepStatus::TooSmall);
+    if (const tf_status projected = projectEnd(); projected != TF_OK)
+      return projected;
+    event = detection_.detect();
+  }
+  return TF_OK;
+}
+
+// A step without event at whose end a guard is no number: what happens before that, and results up to there, are those of shorter ones.
+tf_status Simulation::Implementation::shortenToDefined(DetectedEvent &event) {
+  constexpr double shortest = 1e-13;
+  SmoothIntegrator &integrator = integrators_.current();
+  while (event.guard < 0 && detection_.hasUndefined()) {
+    const double begin = integrator.beginTime(), end = integrator.endTime(), half = begin + 0.5 * (end - begin);
+    const std::string text = failures_.undefinedContact(end, integrator.end());
+    if (text.empty())
+      return TF_OK;
+    if (end - begin <= shortest * std::max(1.0, std::abs(begin)) || !integrator.shorten(half))
+      return fail(fmt::format("{} at t = {:.10g}", text, end));
+    if (const tf_status projected = projectEnd(); projected != TF_OK)
+      return projected;
+    if (const tf_status status = searchStep(event); status != TF_OK)
+      return status;
+  }
+  return TF_OK;
+}
+
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
@@ -407,22 +440,16 @@ tf_status Simulation::Implementation::step(double limit) {
   if (status != StepStatus::Done)
     return failStep(status);
   integrators_.countStep(statistics_);
-  SmoothIntegrator &integrator = integrators_.current();
   if (const tf_status projected = projectEnd(); projected != TF_OK)
     return projected;
-  DetectedEvent event = detection_.detect();
-  while (event.guard < 0 && detection_.searchedTo() < integrator.endTime()) {
-    if (!integrator.shorten(detection_.searchedTo()))
-      return failStep(StepStatus::TooSmall);
-    if (const tf_status projected = projectEnd(); projected != TF_OK)
-      return projected;
-    event = detection_.detect();
-  }
+  DetectedEvent event;
+  if (const tf_status searched = searchStep(event); searched != TF_OK)
+    return searched;
+  if (event.guard < 0 && detection_.hasUndefined())
+    if (const tf_status shortened = shortenToDefined(event); shortened != TF_OK)
+      return shortened;
   if (event.guard >= 0)
     return handle(event, limit);
-  if (detection_.hasUndefined())
-    if (const std::string text = failures_.undefinedContact(integrator.endTime(), integrator.end()); !text.empty())
-      return fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
   detection_.advance();
   if (const tf_status committed = commit(); committed != TF_OK)
     return committed;

@@ -215,6 +215,8 @@ tf_status Simulation::Implementation::goOn() {
   if (areSensitivitiesLost_)
     return TF_FAILED;
   error_.clear();
+  if (inputs_.revision() != inputRevision_)
+    return timeEvent();
   beginEvent();
   std::vector<Transition> &transitions = beginTransitions();
   EventHint hint;

@@ -91,7 +91,7 @@ public:
   std::vector<int> frozenContacts_, frozenApproaching_;
   Mode restingMode_;
   std::vector<std::uint8_t> mayStop_;  // nt: slips that may become zero after an impact
-  std::vector<double> incoming_, afterImpact_, interpolated_, sample_, sampleRate_;
+  std::vector<double> incoming_, afterImpact_, interpolated_, sample_, sampleRate_, slopes_;
 
 private:
   // Whether gaps that begin at zero have opened before: to be found out, or known from before.
@@ -130,6 +130,8 @@ private:
   [[nodiscard]] std::string rapidSwitch();
   [[nodiscard]] std::string switchesWithoutEnd(int j) const;
   tf_status failStep(StepStatus status);
+  tf_status searchStep(DetectedEvent &event);
+  tf_status shortenToDefined(DetectedEvent &event);
   tf_status step(double limit);
   tf_status commit();
   void observeInvariants(bool hasAllGaps);
@@ -190,6 +192,7 @@ private:
   double stopTolerance();
   bool locateStop(DetectedEvent &event);
   double turnsBefore(const DetectedEvent &event);
+  void aimDirections(const DetectedEvent &event, double part);
   double lingeringSpeed();
   int lingeringSlip();
   tf_status stopLingering(int guard, double limit);

@@ -10,6 +10,8 @@ namespace {
 
 // Slips of two components that are not faster than this, times what is taken for zero, are about to stop.
 constexpr double aboutToStop = 1e3;
+// Of a step that ends in a stop: there is no direction at the stop itself, but so long before.
+constexpr double partBeforeStop = 0.02;
 
 }  // namespace
 
@@ -37,6 +39,8 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   if (speed > slow || turned > most)
     return false;
   const DetectedEvent detected = event;
+  aimDirections(event, aboutToStop * part);
+  slipSpeedInside(event.guard, event.time);
   // Slips of one body end together: none of them has a direction there.
   dynamics_.holdDirections(aboutToStop * part);
   if (detection_.locate(event) == EventDetection::Location::Found) {
@@ -64,15 +68,27 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
 // How much less friction along the slip takes from it until the event where it has the direction of the step's begin: of the slip there as
 // much as the cosine of the angle by which it turns lacks. Of a slip that can only move along a curve no other rest shows that.
 double Simulation::Implementation::turnsBefore(const DetectedEvent &event) {
-  constexpr double before = 0.02;  // of the step: at the stop itself there is no direction
   SmoothIntegrator &integrator = integrators_.current();
-  const double begin = integrator.beginTime(), time = event.time - before * (event.time - begin);
+  const double begin = integrator.beginTime(), time = event.time - partBeforeStop * (event.time - begin);
   if (!(time > begin && time < event.time))
     return 0;
   const double speed = slipSpeedInside(event.guard, time), along = dynamics_.guardValue(event.guard);
   at_.setPoint(begin, integrator.begin());
   at_.switching(ModelEvaluation::Slips);
   return speed > 0 ? dynamics_.slipSpeed(event.guard) * (speed - along) / speed : 0;
+}
+
+// Directions that are held where a slip stops at the event are those that it comes there with.
+void Simulation::Implementation::aimDirections(const DetectedEvent &event, double part) {
+  const SmoothIntegrator &integrator = integrators_.current();
+  const double before = partBeforeStop * (event.time - integrator.beginTime());
+  slopes_.resize(2 * static_cast<std::size_t>(dynamics_.turningPairCount()));
+  double *later = slopes_.data() + dynamics_.turningPairCount();
+  slipSpeedInside(event.guard, event.time - 2 * before);
+  dynamics_.slopesOfSlips(slopes_.data());
+  slipSpeedInside(event.guard, event.time - before);
+  dynamics_.slopesOfSlips(later);
+  dynamics_.aimDirections(slopes_.data(), later, part);
 }
 
 // The error of a velocity over a run may be this part of its scale.

@@ -22,4 +22,9 @@ std::string negativeFrictionOf(const tf_contact &contact, double coefficient) {
                      sourceOf(contact.location));
 }
 
+std::string negativeFrictionOf(const tf_friction &friction, double bound) {
+  return fmt::format("the bound of friction element '{}' is {:.6g}, it cannot be negative {}", friction.name, bound,
+                     sourceOf(friction.location));
+}
+
 }  // namespace tf::runtime

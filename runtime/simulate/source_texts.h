@@ -13,7 +13,8 @@ namespace tf::runtime {
 // "contact 'floor' (file:line)": of an event's element (Transition), which must be one.
 [[nodiscard]] std::string elementText(const tf_model &model, int element);
 
-// A contact's friction coefficient at some point is below zero.
+// A contact's friction coefficient, or a friction element's bound, at some point is below zero.
 [[nodiscard]] std::string negativeFrictionOf(const tf_contact &contact, double coefficient);
+[[nodiscard]] std::string negativeFrictionOf(const tf_friction &friction, double bound);
 
 }  // namespace tf::runtime

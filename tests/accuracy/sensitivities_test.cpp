@@ -38,6 +38,50 @@ TEST(Sensitivities, AnInputIsAConstantAddedToIt) {
   EXPECT_NEAR(sensitivity(model, "q[2]", 1), 0, 1e-10);
 }
 
+// Of what is small beside its nominal value 1: J dx/dJ = −x for quotients by J.
+TEST(Sensitivities, ByParametersAndInputsOfAnyScale) {
+  const std::string file = sourceFile("small_inertia.tf", R"(
+model SmallInertia
+  parameter Real J = 1, s = 1, w = s/J;
+  input Real u(start = 1);
+  coordinate Real x(der(start = w)), y(start = s/J), z, angle;
+  body a(mass = 1, position = {x, 0});
+  body b(mass = 1, position = {y, 0});
+  body c(mass = 1, position = {z, 0});
+  body d(mass = J, position = {angle, 0});
+  force push(value = s/J, at = z);
+  force turn(value = s^2/u, at = angle);
+end SmallInertia;
+)");
+  for (const double J : {1.0, 1e-3, 1e-4, 1e-6, 1e-9, 1e-12, 1e6}) {
+    SCOPED_TRACE(J);
+    CompiledModel model(file, {{"J", J}, {"s", J}, {"u", J}});
+    differentiateBy(model, {"J", "u"});
+    model.tolerance(1e-10).run(1);
+    EXPECT_NEAR(J * sensitivity(model, "x", 0), -1, 1e-9);
+    EXPECT_NEAR(J * sensitivity(model, "y", 0), -1, 1e-9);
+    EXPECT_NEAR(J * sensitivity(model, "der(z)", 0), -1, 1e-9);
+    EXPECT_NEAR(J * sensitivity(model, "der(angle)", 0), -1, 1e-9);
+    EXPECT_NEAR(J * sensitivity(model, "der(angle)", 1), -1, 1e-9);
+  }
+}
+
+// After many periods a small change of a frequency is a large one of the phase.
+TEST(Sensitivities, ByAFrequencyAfterManyPeriods) {
+  const double w = 1000, end = 3;
+  CompiledModel model(sourceFile("shaken.tf", R"(
+model Shaken
+  parameter Real w = 1000;
+  coordinate Real x;
+  body b(mass = 1, position = {x, 0});
+  force f(value = w*cos(w*time), at = x);
+end Shaken;
+)"));
+  differentiateBy(model, {"w"});
+  model.tolerance(1e-10).run(end);
+  EXPECT_NEAR(sensitivity(model, "der(x)", 0), end * std::cos(w * end), 1e-6);
+}
+
 // Both ends of a level rod hit the floor at once: by its height they go on doing so, by its angle one comes before the other.
 TEST(Sensitivities, OfImpactsAtOneTimeExistWhereTheyStayTogether) {
   const std::string file = sourceFile("level_rod", R"(

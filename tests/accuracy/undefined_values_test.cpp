@@ -62,6 +62,78 @@ INSTANTIATE_TEST_SUITE_P(
                               "NaN in the bound of friction element 'c' (", 0.47, 0.53}),
     [](const auto &tested) { return std::string(tested.param.name); });
 
+// A block at rest, pulled by time/2, whose friction √(1 − time) can no longer hold it from 2√2 − 2 on.
+class UndefinedLimits : public testing::TestWithParam<const char *> {};
+
+TEST_P(UndefinedLimits, AreFoundAfterTheSlipBeforeThem) {
+  const std::string friction = GetParam(), name = friction.substr(0, friction.find(' '));
+  const std::string file = sourceFile("undefined_limit_" + name + ".tf",
+                                      "model A\n  coordinate Real x, y;\n  body b(mass = 1, position = {x, y});\n"
+                                      "  force f(value = {time/2, -1}, at = {x, y});\n  contact floor(gap = y" +
+                                          std::string(name == "contact" ? ", slip = der(x), friction = sqrt(1 - time))" : ");\n  " + friction) +
+                                          ";\nend A;\n");
+  for (const tf_integrator integrator : integrators)
+    for (const double tolerance : {1e-3, 1e-9}) {
+      CompiledModel model(file);
+      model.tolerance(tolerance).integrator(integrator);
+      try {
+        model.run(3);
+        ADD_FAILURE() << "no error with integrator " << integrator << ", tolerance " << tolerance;
+      } catch (const std::runtime_error &error) {
+        EXPECT_NE(std::string(error.what()).find("NaN in the "), std::string::npos) << error.what();
+      }
+      EXPECT_NEAR(model.time(), 1, 1e-3);
+      EXPECT_EQ(model.count(TF_EVENT_SLIP), 1);
+      EXPECT_NEAR(model.eventTime(TF_EVENT_SLIP), 2 * std::sqrt(2.0) - 2, 1e-11);
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, UndefinedLimits,
+                         testing::Values("contact", "friction c(slip = der(x), bound = sqrt(1 - time))"),
+                         [](const auto &tested) { return std::string(tested.param).substr(0, std::string(tested.param).find(' ')); });
+
+// A limit jumps to what is none, with other ones around it, at rest and in motion; the run goes on with another input.
+TEST(UndefinedLimit, OfAnInputIsNamedAndTheRunGoesOnWithAnotherOne) {
+  const std::string file = sourceFile("jumping_limits.tf", R"(
+model A
+  input Real mu(start = 0.2), bound(start = 1), root(start = 1);
+  coordinate Real x(der(start = 1)), y, z(der(start = 1));
+  body b(mass = 1, position = {x, y});
+  body c(mass = 1, position = {z, 0});
+  gravity g(acceleration = {0, -10});
+  contact floor(gap = y, slip = der(x), friction = mu);
+  friction rail(slip = der(z), bound = bound*sqrt(root));
+end A;
+)");
+  const struct {
+    const char *input, *message;
+    double bad, good;
+  } cases[] = {{"mu", "the friction coefficient of contact 'floor' is -0.5, it cannot be negative", -0.5, 0.2},
+               {"bound", "the bound of friction element 'rail' is -1, it cannot be negative", -1, 1},
+               {"root", "NaN in the bound of friction element 'rail'", -1, 1}};
+  for (const auto &one : cases)
+    for (const double at : {0.1, 2.0}) {
+      SCOPED_TRACE(std::string(one.input) + " at " + std::to_string(at));
+      CompiledModel model(file);
+      model.initialise();
+      model.advance(at);
+      const double x = model["x"];
+      ASSERT_EQ(tf_set(model.simulation(), one.input, one.bad), TF_OK);
+      try {
+        model.advance(3);
+        ADD_FAILURE() << "no error";
+      } catch (const std::runtime_error &error) {
+        EXPECT_NE(std::string(error.what()).find(one.message), std::string::npos) << error.what();
+      }
+      EXPECT_EQ(model["x"], x);
+      ASSERT_EQ(tf_set(model.simulation(), one.input, one.good), TF_OK);
+      model.advance(3);
+      // Both stop by v²/2a, as if nothing had happened.
+      EXPECT_NEAR(model["x"], 0.25, 1e-8);
+      EXPECT_NEAR(model["z"], 0.5, 1e-8);
+    }
+}
+
 TEST(UndefinedMass, IsNamed) {
   const std::string file = sourceFile("undefined_mass.tf", R"(
 model A

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -20,19 +21,32 @@ flat::ExprPtr expression(const std::string &text) {
   return foldParameters(typed, [](flat::VariableId) { return 3.0; });
 }
 
-double pieceValue(const std::string &text, double segment, double time) {
-  std::vector<flat::ExprPtr> switching;
-  return valueAt(smoothPiece(expression(text), segment, switching), time);
+constexpr double resolution = 0.05;
+
+// Of the piece that begins at `begin`.
+double pieceValue(const std::string &text, double begin, double time) {
+  std::vector<DecidingFunction> deciding;
+  return valueAt(smoothPiece(expression(text), begin, resolution, deciding), time);
 }
 
-double zero(const std::string &text, double begin = 0, double horizon = 10) { return firstZero(expression(text), begin, horizon, 0.05); }
+// Where the piece ends.
+double pieceEnd(const std::string &text, double begin) {
+  std::vector<DecidingFunction> deciding;
+  static_cast<void>(smoothPiece(expression(text), begin, resolution, deciding));
+  double end = std::numeric_limits<double>::infinity();
+  for (const DecidingFunction &one : deciding)
+    end = std::min(end, firstZero(one.function, one.from, 10, resolution));
+  return end;
+}
+
+double zero(const std::string &text, double begin = 0, double horizon = 10) { return firstZero(expression(text), begin, horizon, resolution); }
 
 TEST(SmoothPiece, ParametersAreFolded) {
   EXPECT_EQ(expression("2*p + 1")->kind, flat::ExprKind::Literal);
   EXPECT_EQ(valueAt(expression("2*p + time"), 1), 7);
 }
 
-TEST(SmoothPiece, DecisionsAreThoseOfTheSegment) {
+TEST(SmoothPiece, DecisionsAreThoseAfterItsBegin) {
   EXPECT_EQ(pieceValue("if time < 1 then 2*time else 5", 0.5, 1), 2);
   EXPECT_EQ(pieceValue("if time < 1 then 2*time else 5", 1.5, 1), 5);
   EXPECT_EQ(pieceValue("abs(time - 1)", 0.5, 2), -1);
@@ -47,11 +61,32 @@ TEST(SmoothPiece, DecisionsAreThoseOfTheSegment) {
 }
 
 TEST(SmoothPiece, WhatDecidesIsNoted) {
-  std::vector<flat::ExprPtr> switching;
-  static_cast<void>(smoothPiece(expression("if time < 1 then abs(time - 0.5) else max(time, 3)"), 0.2, switching));
-  ASSERT_EQ(switching.size(), 2U);  // the condition and abs, not the branch that is not taken
-  EXPECT_EQ(firstZero(switching[0], 0, 10, 0.1), 1);
-  EXPECT_EQ(firstZero(switching[1], 0, 10, 0.1), 0.5);
+  std::vector<DecidingFunction> deciding;
+  static_cast<void>(smoothPiece(expression("if time < 1 then abs(time - 0.5) else max(time, 3)"), 0.2, resolution, deciding));
+  ASSERT_EQ(deciding.size(), 2U);  // the condition and abs, not the branch that is not taken
+  EXPECT_EQ(firstZero(deciding[0].function, 0, 10, resolution), 1);
+  EXPECT_EQ(firstZero(deciding[1].function, 0, 10, resolution), 0.5);
+}
+
+TEST(SmoothPiece, AFunctionThatTouchesZeroDecidesByItsSignAfterwards) {
+  EXPECT_EQ(pieceValue("abs(cos(5*time) - 1)", 0, 0.5), 1 - std::cos(2.5));
+  EXPECT_EQ(pieceValue("sign(1 - cos(time))", 0, 0.5), 1);
+  EXPECT_EQ(pieceValue("max(cos(5*time), 1)", 0, 0.5), 1);
+  EXPECT_EQ(pieceValue("min(cos(5*time), 1)", 0, 0.5), std::cos(2.5));
+  EXPECT_EQ(pieceValue("if cos(5*time) < 1 then 1 else 2", 0, 0.5), 1);
+  EXPECT_EQ(pieceValue("if sin(7*time) >= 1 then 1 else 2", std::acos(0.0) / 7, 0.5), 2);
+  EXPECT_EQ(pieceValue("floor(sin(7*time))", std::acos(0.0) / 7, 0.5), 0);
+  EXPECT_EQ(pieceValue("integer(exp(-time^2))", 0, 0.5), 0);
+  EXPECT_EQ(pieceValue("ceil(1 + time^4)", 0, 0.5), 2);
+  EXPECT_EQ(pieceValue("div(-time^2, 1)", 0, 0.5), 0);
+  // It stays zero.
+  EXPECT_EQ(pieceValue("sign(time - time)", 0, 0.5), 0);
+  EXPECT_EQ(pieceValue("if 0*time >= 0 then 1 else 2", 0, 0.5), 1);
+}
+
+TEST(SmoothPiece, AFunctionThatTouchesZeroAtTheBeginEndsItWhereItPassesZero) {
+  EXPECT_NEAR(pieceEnd("abs((cos(time) - 1)*(time - 0.7))", 0), 0.7, 1e-15);
+  EXPECT_NEAR(pieceEnd("floor(1.5*cos(time) - 0.5)", 0), std::acos(1.0 / 3), 1e-15);
 }
 
 TEST(SmoothPiece, ArrayDecisionsAreFound) {

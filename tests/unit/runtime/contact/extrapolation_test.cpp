@@ -18,7 +18,10 @@ struct Pole {
     f = y.cwiseProduct(y);
     return true;
   }
-  void factor(double at) { part = at; }
+  bool factor(double at) {
+    part = at;
+    return true;
+  }
   void solve(Eigen::VectorXd &x) const { x /= 1 - part * 2; }
 };
 
