@@ -23,6 +23,7 @@ public:
   bool moveInside(double time) override { return isUniform_ ? shorten(time) : SmoothIntegrator::moveInside(time); }
   void interpolate(double time, double *state) override;
   [[nodiscard]] bool holdsToleranceInside() const override { return method_->holdsToleranceInside(); }
+  [[nodiscard]] bool hasExactStages() const override { return method().hasExactStages(); }
   [[nodiscard]] bool isInterpolantDear() const override { return method().isInterpolantDear(); }
   // The interpolant's second derivative is off by its error times a few tens: at 1e-2 of a step beyond the end the state is off by some
   // 1e-3 of the interpolant's error, which is of the order of the tolerance.

@@ -30,6 +30,8 @@ public:
   virtual void interpolate(double theta, double *y) const = 0;
   // The error of interpolate() is a few tolerances at most where that of the end is within one.
   [[nodiscard]] virtual bool holdsToleranceInside() const { return true; }
+  // So are the stages, as those of collocation.
+  [[nodiscard]] virtual bool hasExactStages() const { return false; }
   // The next interpolate() evaluates the dynamics.
   [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
   // The last element becomes the past that starting values are taken from.

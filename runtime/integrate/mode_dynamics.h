@@ -219,6 +219,7 @@ public:
   void holdDirections(double part) { slips_.hold(part); }
   void slopesOfSlips(double *slopes) const { slips_.slopesOfSlips(slopes); }
   void aimDirections(const double *earlier, const double *later, double part) { slips_.aim(earlier, later, part); }
+  void aimDirectionsAt(const double *earlier, const double *later, const double *mean) { slips_.aimAt(earlier, later, mean); }
   bool holdStartingDirections(double part) { return slips_.holdStarts(part); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
   // Magnitude of the velocities that this is compared with.
@@ -239,6 +240,8 @@ public:
   [[nodiscard]] bool holdsEdge() const;
   // At the point of the latest `switching`.
   [[nodiscard]] bool hasSlowSlips() const { return !slips_.empty() && !slips_.haveLaunched(); }
+  // At the point of the last `renewDirections`, one that is not faster than `part` of its scale.
+  [[nodiscard]] bool hasSlipsBelow(double part) const { return slips_.anyBelow(part); }
   // A slow slip of two components grows from (time, state) on; the slips there and their derivatives by time are remembered.
   bool slipsGrowSlowly(double time, const double *state);
   // One of them is zero there.

@@ -28,6 +28,7 @@ public:
   void interpolate(double theta, double *y) const override;
   void accept() override;
   [[nodiscard]] bool holdsToleranceInside() const override { return errorPower_ == 1; }
+  [[nodiscard]] bool hasExactStages() const override { return true; }
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double errorOrder() const override { return (stages_ + 1) * errorPower_; }
   [[nodiscard]] int interiorStages() const override { return stages_ - 1; }

@@ -93,15 +93,23 @@ void SlipDirections::slopesOfSlips(double *slopes) const {
 }
 
 // A slip that can only move along a curve turns evenly until it stops. One that is about to turn round does so ever faster.
-void SlipDirections::aim(const double *earlier, const double *later, double part) {
+bool SlipDirections::turnsEvenly(double earlier, double later) {
   constexpr double even = 0.2, steepest = 0.5;
-  for (Pair &pair : pairs_) {
-    const double slope = 2 * *later - *earlier;
-    const bool isEven = std::abs(*later - *earlier) <= even * std::abs(*later) && std::abs(slope) <= steepest;
-    pair.heldSlope = isEven ? slope : 0;
-    pair.width = isEven ? part * pair.scale : 0;
-    ++earlier;
-    ++later;
+  return std::abs(later - earlier) <= even * std::abs(later) && std::abs(later) <= steepest;
+}
+
+void SlipDirections::aim(const double *earlier, const double *later, double part) {
+  for (int k = 0; k < count(); ++k) {
+    const bool isEven = turnsEvenly(earlier[k], later[k]);
+    pairs_[k].heldSlope = isEven ? 2 * later[k] - earlier[k] : 0;
+    pairs_[k].width = isEven ? part * pairs_[k].scale : 0;
+  }
+}
+
+void SlipDirections::aimAt(const double *earlier, const double *later, const double *mean) {
+  for (int k = 0; k < count(); ++k) {
+    pairs_[k].heldSlope = turnsEvenly(earlier[k], later[k]) ? mean[k] : 0;
+    pairs_[k].width = 0;
   }
 }
 
@@ -201,6 +209,13 @@ bool SlipDirections::haveLaunched() const {
   return true;
 }
 
+bool SlipDirections::anyBelow(double part) const {
+  for (int k = 0; k < count(); ++k)
+    if (speed(k) <= part * pairs_[k].scale)
+      return true;
+  return false;
+}
+
 double SlipDirections::rounding(const Pair &pair) const { return (pair.grows ? still : accuracy_) * pair.scale; }
 
 double SlipDirections::along(const Pair &pair) const { return pair.c * at_.slip[pair.modelRow] + pair.s * at_.slip[pair.modelRow + 1]; }
@@ -217,7 +232,7 @@ double SlipDirections::speed(int pair) const {
 // (x y + s δ²)/(x² + δ²).
 double SlipDirections::slope(const Pair &pair) const {
   const double x = along(pair), slow = pair.held ? pair.width : rounding(pair), rest = pair.heldSlope * slow * slow;
-  return pair.held && slow == 0 ? 0 : (x * across(pair) + rest) / (x * x + slow * slow);
+  return pair.held && slow == 0 ? pair.heldSlope : (x * across(pair) + rest) / (x * x + slow * slow);
 }
 
 void SlipDirections::align(RowSystem &rows) const {

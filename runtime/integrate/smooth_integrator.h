@@ -51,6 +51,8 @@ public:
   virtual void interpolate(double time, double *state) = 0;
   // What is inside the step is as near the solution as its end, up to a few tolerances.
   [[nodiscard]] virtual bool holdsToleranceInside() const { return true; }
+  // The rate is evaluated inside a step at states that are as near the solution.
+  [[nodiscard]] virtual bool hasExactStages() const { return false; }
   // It evaluates the dynamics the next time.
   [[nodiscard]] virtual bool isInterpolantDear() const { return false; }
   // The same from the states and rates at both ends alone (StepEnds): no evaluation, but the error is no part of the step's.

@@ -136,12 +136,13 @@ SmoothIntegrator *Integrators::afterFailure() {
 }
 
 // The direction of a slow slip is stiff, and its friction jumps at zero: the stages of explicit steps, on all sides of it, may average to a
-// rest that no step sees.
+// rest that no step sees. The direction of one that is not many times faster than the errors of steps is made of these.
 SmoothIntegrator *Integrators::forStiffness() {
   constexpr int mostSlowSteps = 30;
+  constexpr double slowest = 100;  // tolerances
   const bool isSlow = launch_ && currentKind() == Kind::Explicit && dynamics_.hasSlowSlips();
   slowSteps_ = isSlow ? slowSteps_ + 1 : 0;
-  if (slowSteps_ > mostSlowSteps)
+  if (slowSteps_ > mostSlowSteps || (isSlow && dynamics_.hasSlipsBelow(slowest * current_->settings().tolerance)))
     return launch_.get();
   return wanted_ == TF_AUTO && mayFallBack_ && current_->isStiff() ? fallback() : nullptr;
 }

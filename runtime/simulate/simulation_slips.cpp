@@ -78,17 +78,32 @@ double Simulation::Implementation::turnsBefore(const DetectedEvent &event) {
   return speed > 0 ? dynamics_.slipSpeed(event.guard) * (speed - along) / speed : 0;
 }
 
-// Directions that are held where a slip stops at the event are those that it comes there with.
+// Directions that are held where a slip stops at the event are those that it comes there with. Those of explicit stages would be made of
+// their errors where the slip is slow: they have the mean of the step's.
 void Simulation::Implementation::aimDirections(const DetectedEvent &event, double part) {
   const SmoothIntegrator &integrator = integrators_.current();
-  const double before = partBeforeStop * (event.time - integrator.beginTime());
-  slopes_.resize(2 * static_cast<std::size_t>(dynamics_.turningPairCount()));
-  double *later = slopes_.data() + dynamics_.turningPairCount();
-  slipSpeedInside(event.guard, event.time - 2 * before);
-  dynamics_.slopesOfSlips(slopes_.data());
-  slipSpeedInside(event.guard, event.time - before);
-  dynamics_.slopesOfSlips(later);
-  dynamics_.aimDirections(slopes_.data(), later, part);
+  const double begin = integrator.beginTime(), length = event.time - begin;
+  const int count = dynamics_.turningPairCount();
+  const auto slopesAt = [&](double before, int place) {
+    double *slopes = slopes_.data() + static_cast<std::ptrdiff_t>(place) * count;
+    slipSpeedInside(event.guard, event.time - before * length);
+    dynamics_.slopesOfSlips(slopes);
+    return slopes;
+  };
+  slopes_.resize(4 * static_cast<std::size_t>(count));
+  const double *earlier = slopesAt(2 * partBeforeStop, 0), *later = slopesAt(partBeforeStop, 1);
+  if (integrator.hasExactStages())
+    return dynamics_.aimDirections(earlier, later, part);
+  double *mean = slopes_.data() + static_cast<std::ptrdiff_t>(3) * count;
+  std::fill_n(mean, count, 0.0);
+  // Gauss' quadrature of order 6.
+  constexpr double nodes[] = {0.1127016653792583, 0.5, 0.8872983346207417}, weights[] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
+  for (int k = 0; k < 3; ++k) {
+    const double *slopes = slopesAt(nodes[k], 2);
+    for (int pair = 0; pair < count; ++pair)
+      mean[pair] += weights[k] * slopes[pair];
+  }
+  dynamics_.aimDirectionsAt(earlier, later, mean);
 }
 
 // The error of a velocity over a run may be this part of its scale.

@@ -94,7 +94,7 @@ TEST_F(RunCommand, WritesTheVariablesThatAreChosen) {
   const std::vector<std::string> arguments = {"--stop-time", "1", "--variables", "der(q[?])", "--variables", "floor.*Force",
                                               "--variables", "m"};
   std::vector<std::string> withFile = arguments;
-  withFile.insert(withFile.end(), {"-o", "out.csv", "--sensitivity", "mu"});
+  withFile.insert(withFile.end(), {"-o", "out.csv", "--sensitivity", "mu", "--sensitivity", "mu"});
   ASSERT_EQ(run(withFile).exitCode, 0);
   const std::string text = readFile(folder.path() / "out.csv");
   EXPECT_EQ(text.substr(0, text.find('\r')),
