@@ -65,13 +65,14 @@ public:
   [[nodiscard]] bool haveLaunched() const;
   // Some slip is not faster than `part` of its scale, there too.
   [[nodiscard]] bool anyBelow(double part) const;
-  // The direction of friction is the reference direction (or what `aim` says), whatever the slip is, for the pairs that are now not faster than `part` of their
-  // scale, until `renew`, `choose` or the next call; for all others it is that of the slip.
+  // The direction of friction is the reference direction (or what `aim` says), whatever the slip is, for the pairs that are now not faster
+  // than `part` of their scale, until `renew`, `choose` or the next call; for all others it is that of the slip.
   void hold(double part);
   // Slopes of the slips at the model's point against their references [count()].
   void slopesOfSlips(double *slopes) const;
-  // Where slopes at two times, twice as long and once as long before a stop, differ little, directions that `hold` holds are those that they
-  // lead to, and become those of slips that are not small against `part` of their scale; else, as after hold(0), they are the references.
+  // Where slopes at two times, twice as long and once as long before a stop, differ little, directions that `hold` holds are those that
+  // they lead to, and become those of slips that are not small against `part` of their scale; else, as after hold(0), they are the
+  // references.
   void aim(const double *earlier, const double *later, double part);
   // The same where slips inside a step are not known well enough: the direction is `mean` throughout.
   void aimAt(const double *earlier, const double *later, const double *mean);

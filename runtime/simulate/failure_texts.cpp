@@ -103,7 +103,8 @@ std::string FailureTexts::startValues(const double *state) const {
   // Starts of rotations are normalised.
   const std::int32_t *rotations = model_.quaternions;
   if (std::any_of(rotations, rotations + model_.nr, [i](int first) { return i >= first && i < first + 4; }))
-    return fmt::format("the start of the rotation '{}' is no quaternion: its elements are 0, or no numbers", name.substr(0, name.rfind(".q[")));
+    return fmt::format("the start of the rotation '{}' is no quaternion: its elements are 0, or no numbers",
+                       name.substr(0, name.rfind(".q[")));
   return fmt::format("the start of '{}' is {}", name, nameOfNonFinite(*bad));
 }
 

@@ -21,7 +21,8 @@ struct DifferenceFormula {
 };
 
 template <class Function>
-std::optional<Sensitivities::DifferenceError> Sensitivities::differenceAt(const Function &function, double h, double magnitude, int count, double *derivative) {
+std::optional<Sensitivities::DifferenceError> Sensitivities::differenceAt(const Function &function, double h, double magnitude, int count,
+                                                                          double *derivative) {
   static constexpr std::array<DifferenceFormula, 3> formulas = {{
       {{-2, -1, 0, 1, 2}, {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12}, {0, -0.5, 0, 0.5, 0}},
       {{0, 1, 2, 3, 4}, {-25.0 / 12, 4, -3, 4.0 / 3, -0.25}, {-1.5, 2, -0.5, 0, 0}},

@@ -67,11 +67,11 @@ class UndefinedLimits : public testing::TestWithParam<const char *> {};
 
 TEST_P(UndefinedLimits, AreFoundAfterTheSlipBeforeThem) {
   const std::string friction = GetParam(), name = friction.substr(0, friction.find(' '));
-  const std::string file = sourceFile("undefined_limit_" + name + ".tf",
-                                      "model A\n  coordinate Real x, y;\n  body b(mass = 1, position = {x, y});\n"
-                                      "  force f(value = {time/2, -1}, at = {x, y});\n  contact floor(gap = y" +
-                                          std::string(name == "contact" ? ", slip = der(x), friction = sqrt(1 - time))" : ");\n  " + friction) +
-                                          ";\nend A;\n");
+  const std::string file =
+      sourceFile("undefined_limit_" + name + ".tf",
+                 "model A\n  coordinate Real x, y;\n  body b(mass = 1, position = {x, y});\n"
+                 "  force f(value = {time/2, -1}, at = {x, y});\n  contact floor(gap = y" +
+                     std::string(name == "contact" ? ", slip = der(x), friction = sqrt(1 - time))" : ");\n  " + friction) + ";\nend A;\n");
   for (const tf_integrator integrator : integrators)
     for (const double tolerance : {1e-3, 1e-9}) {
       CompiledModel model(file);
@@ -88,8 +88,7 @@ TEST_P(UndefinedLimits, AreFoundAfterTheSlipBeforeThem) {
     }
 }
 
-INSTANTIATE_TEST_SUITE_P(Elements, UndefinedLimits,
-                         testing::Values("contact", "friction c(slip = der(x), bound = sqrt(1 - time))"),
+INSTANTIATE_TEST_SUITE_P(Elements, UndefinedLimits, testing::Values("contact", "friction c(slip = der(x), bound = sqrt(1 - time))"),
                          [](const auto &tested) { return std::string(tested.param).substr(0, std::string(tested.param).find(' ')); });
 
 // A limit jumps to what is none, with other ones around it, at rest and in motion; the run goes on with another input.

@@ -39,7 +39,9 @@ double pieceEnd(const std::string &text, double begin) {
   return end;
 }
 
-double zero(const std::string &text, double begin = 0, double horizon = 10) { return firstZero(expression(text), begin, horizon, resolution); }
+double zero(const std::string &text, double begin = 0, double horizon = 10) {
+  return firstZero(expression(text), begin, horizon, resolution);
+}
 
 TEST(SmoothPiece, ParametersAreFolded) {
   EXPECT_EQ(expression("2*p + 1")->kind, flat::ExprKind::Literal);
