@@ -95,9 +95,10 @@ private:
       session_.diagnostics.report(diag::NeedsConstant, {}, setting.name);
       return std::nullopt;
     }
-    if (expression)
-      checkDependence(setting, *expression);
-    return expression ? std::optional(expression->value(span_.start, span_.start)) : std::nullopt;
+    if (!expression)
+      return std::nullopt;
+    checkDependence(setting, *expression);
+    return expression->value(span_.start, span_.start);
   }
 
   // The model takes the values of expressions, not the expressions: derivatives by what they depend on would be wrong.

@@ -110,21 +110,18 @@ private:
   // The function's sign after the begin, which it keeps until it passes zero.
   int decideBy(const ExprPtr &function) {
     constexpr double rounding = 8 * std::numeric_limits<double>::epsilon(), growth = 4;
-    double time = inside(), value = valueAt(function, time);
-    if (!isLiteral(function)) {
-      double clear = time;
-      for (double length = shortest_; std::abs(value) <= rounding * magnitudeAt(function, clear); length *= growth) {
-        clear = begin_ + std::min(length, longest_);
-        value = valueAt(function, clear);
-        if (length >= longest_)
-          break;
-      }
-      const bool isClear = std::abs(value) > rounding * magnitudeAt(function, clear) || std::isnan(value);
-      deciding_.push_back({function, isClear ? clear : time});
-      if (!isClear)
-        return 0;
+    const auto signOf = [](double value) { return value < 0 ? -1 : value > 0 ? 1 : 0; };
+    if (isLiteral(function))
+      return signOf(valueAt(function, begin_));
+    for (double length = shortest_; length <= longest_; length *= growth) {
+      const double time = begin_ + length, value = valueAt(function, time);
+      if (std::abs(value) <= rounding * magnitudeAt(function, time))
+        continue;
+      deciding_.push_back({function, time});
+      return signOf(value);
     }
-    return value < 0 ? -1 : value > 0 ? 1 : 0;
+    deciding_.push_back({function, inside()});
+    return 0;
   }
 
   ExprPtr relation(const Expr &original, const std::vector<ExprPtr> &args) {

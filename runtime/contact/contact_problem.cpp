@@ -2,6 +2,8 @@
 
 #include "runtime/contact/frame_turns.h"
 
+#include <algorithm>
+
 namespace tf::runtime {
 
 void ContactRows::resize(int normals, int tangents) {
@@ -24,6 +26,10 @@ bool ContactRows::hasDisks() const {
     if (isDisk(j))
       return true;
   return false;
+}
+
+bool ContactRows::hasPairs() const {
+  return std::any_of(partner.begin(), partner.end(), [](int other) { return other >= 0; });
 }
 
 void ContactProblem::resize(int normals, int tangents) {

@@ -43,6 +43,7 @@ struct ContactRows {
   // Row j lies across the slip of its pair: it carries no friction, whatever becomes of the coefficient.
   [[nodiscard]] bool isAcross(int j) const { return partner[j] >= 0 && partner[j] < j && slipSign[j] != 0; }
   [[nodiscard]] bool hasDisks() const;
+  [[nodiscard]] bool hasPairs() const;
   // New rows have owner −1, no friction, bound 0, no slip and no partner.
   void resize(int normals, int tangents);
 };

@@ -201,12 +201,7 @@ public:
   double projectStop(double time, double *state, const double *scale, int stopped, double part);
   [[nodiscard]] bool needsProjection() const { return projection_.isNeeded(); }
   // Slips of two components that the mode holds or follows.
-  [[nodiscard]] bool hasPairs() const {
-    for (std::size_t j = 0; j < mode_.tangent.size(); ++j)
-      if (isPaired_[j] && mode_.tangent[j] != Tangent::None)
-        return true;
-    return false;
-  }
+  [[nodiscard]] bool hasPairs() const { return problem_.hasPairs(); }
   // Rows that are held depend on each other: beside what the mode holds they may contradict one another.
   [[nodiscard]] bool hasRedundantRows() const { return rows_.count() > 0 && forces_.redundant(); }
   // Adds to the velocities of (time, state) what the mode's impulses do that take gap rates and slips of its active rows to zero, with the
@@ -218,8 +213,9 @@ public:
   bool renewDirections(double time, const double *state) { return slips_.renew(time, state); }
   void holdDirections(double part) { slips_.hold(part); }
   void slopesOfSlips(double *slopes) const { slips_.slopesOfSlips(slopes); }
-  void aimDirections(const double *earlier, const double *later, double part) { slips_.aim(earlier, later, part); }
-  void aimDirectionsAt(const double *earlier, const double *later, const double *mean) { slips_.aimAt(earlier, later, mean); }
+  void aimDirections(const double *earlier, const double *later, const double *slopes, double part) {
+    slips_.aim(earlier, later, slopes, part);
+  }
   bool holdStartingDirections(double part) { return slips_.holdStarts(part); }
   [[nodiscard]] double slipSpeed(int guard) const { return slips_.speed(guards_[guard].index); }
   // Magnitude of the velocities that this is compared with.

@@ -12,6 +12,8 @@ namespace {
 
 // Slips below this part of the velocities that move them are rounding errors of zero.
 constexpr double still = 1e-12;
+// Those that are small.
+constexpr double small = 1e-2;
 
 }  // namespace
 
@@ -81,7 +83,7 @@ bool SlipDirections::update(double time, const double *state) {
 
 void SlipDirections::hold(double part) {
   for (int k = 0; k < count(); ++k) {
-    pairs_[k].held = part > 0 && speed(k) <= part * pairs_[k].scale;
+    pairs_[k].held = part > 0 && isBelow(k, part);
     if (part == 0)
       pairs_[k].heldSlope = pairs_[k].width = 0;
   }
@@ -93,23 +95,12 @@ void SlipDirections::slopesOfSlips(double *slopes) const {
 }
 
 // A slip that can only move along a curve turns evenly until it stops. One that is about to turn round does so ever faster.
-bool SlipDirections::turnsEvenly(double earlier, double later) {
+void SlipDirections::aim(const double *earlier, const double *later, const double *slopes, double part) {
   constexpr double even = 0.2, steepest = 0.5;
-  return std::abs(later - earlier) <= even * std::abs(later) && std::abs(later) <= steepest;
-}
-
-void SlipDirections::aim(const double *earlier, const double *later, double part) {
   for (int k = 0; k < count(); ++k) {
-    const bool isEven = turnsEvenly(earlier[k], later[k]);
-    pairs_[k].heldSlope = isEven ? 2 * later[k] - earlier[k] : 0;
+    const bool isEven = std::abs(later[k] - earlier[k]) <= even * std::abs(later[k]) && std::abs(later[k]) <= steepest;
+    pairs_[k].heldSlope = isEven ? slopes[k] : 0;
     pairs_[k].width = isEven ? part * pairs_[k].scale : 0;
-  }
-}
-
-void SlipDirections::aimAt(const double *earlier, const double *later, const double *mean) {
-  for (int k = 0; k < count(); ++k) {
-    pairs_[k].heldSlope = turnsEvenly(earlier[k], later[k]) ? mean[k] : 0;
-    pairs_[k].width = 0;
   }
 }
 
@@ -117,21 +108,21 @@ bool SlipDirections::holdStarts(double part) {
   bool isAny = false;
   for (int k = 0; k < count(); ++k) {
     Pair &pair = pairs_[k];
-    pair.held = pair.starts && speed(k) <= part * pair.scale;
+    pair.held = pair.starts && isBelow(k, part);
     isAny = isAny || pair.held;
   }
   return isAny;
 }
 
 bool SlipDirections::watchGrowth(const double *rates) {
-  bool slow = false;
+  bool isAny = false;
   for (int k = 0; k < count(); ++k) {
     Pair &pair = pairs_[k];
     pair.starts = speed(k) <= 10 * still * pair.scale;
     pair.grows = pair.starts || rates[k] > 0;
-    slow = slow || (pair.grows && isSlow(k));
+    isAny = isAny || (pair.grows && isBelow(k, small));
   }
-  return slow;
+  return isAny;
 }
 
 bool SlipDirections::anyStarts() const {
@@ -193,30 +184,24 @@ double SlipDirections::turnToFriction() {
   return largest;
 }
 
-bool SlipDirections::isSlow(int pair) const {
-  constexpr double small = 1e-2;
-  return speed(pair) <= small * pairs_[pair].scale;
-}
+bool SlipDirections::isBelow(int pair, double part) const { return speed(pair) <= part * pairs_[pair].scale; }
 
 bool SlipDirections::turnBack() const {
   return std::any_of(pairs_.begin(), pairs_.end(), [this](const Pair &pair) { return pair.grows && along(pair) < -10 * rounding(pair); });
 }
 
-bool SlipDirections::haveLaunched() const {
-  for (int k = 0; k < count(); ++k)
-    if (isSlow(k))
-      return false;
-  return true;
-}
-
 bool SlipDirections::anyBelow(double part) const {
   for (int k = 0; k < count(); ++k)
-    if (speed(k) <= part * pairs_[k].scale)
+    if (isBelow(k, part))
       return true;
   return false;
 }
 
+bool SlipDirections::haveLaunched() const { return !anyBelow(small); }
+
 double SlipDirections::rounding(const Pair &pair) const { return (pair.grows ? still : accuracy_) * pair.scale; }
+
+double SlipDirections::smoothing(const Pair &pair) const { return pair.held ? pair.width : rounding(pair); }
 
 double SlipDirections::along(const Pair &pair) const { return pair.c * at_.slip[pair.modelRow] + pair.s * at_.slip[pair.modelRow + 1]; }
 
@@ -231,7 +216,7 @@ double SlipDirections::speed(int pair) const {
 // its sign. Below the rounding δ of slips the slope falls to 0 as x y/(x² + δ²), and to the slope s that a slip stops with as
 // (x y + s δ²)/(x² + δ²).
 double SlipDirections::slope(const Pair &pair) const {
-  const double x = along(pair), slow = pair.held ? pair.width : rounding(pair), rest = pair.heldSlope * slow * slow;
+  const double x = along(pair), slow = smoothing(pair), rest = pair.heldSlope * slow * slow;
   return pair.held && slow == 0 ? pair.heldSlope : (x * across(pair) + rest) / (x * x + slow * slow);
 }
 
@@ -308,7 +293,7 @@ double SlipDirections::turning(int pair, int column) const {
   const double first = slipByState_[2 * pair * columns + column], second = slipByState_[(2 * pair + 1) * columns + column];
   const double dx = p.c * first + p.s * second, dy = p.c * second - p.s * first;
   const double exact = along(p), y = across(p);
-  const double slow = p.held ? p.width : rounding(p), x = std::abs(exact) < slow ? slow : exact;
+  const double slow = smoothing(p), x = std::abs(exact) < slow ? slow : exact;
   const double square = x * x + slow * slow;
   const double slope = (x * y + p.heldSlope * slow * slow) / square;
   return ((x * dy + y * dx) / square - 2 * slope * x * dx / square) / (1 + slope * slope);

@@ -61,23 +61,21 @@ public:
   void turnToSlips();
   // One of those that grew has the opposite direction at the point of the latest `switching`.
   [[nodiscard]] bool turnBack() const;
-  // No slip is small any more at the point of the last `renew`.
-  [[nodiscard]] bool haveLaunched() const;
-  // Some slip is not faster than `part` of its scale, there too.
+  // Some slip is not faster than `part` of its scale at the point of the last `renew`.
   [[nodiscard]] bool anyBelow(double part) const;
+  // No slip is small any more, there too.
+  [[nodiscard]] bool haveLaunched() const;
   // The direction of friction is the reference direction (or what `aim` says), whatever the slip is, for the pairs that are now not faster
   // than `part` of their scale, until `renew`, `choose` or the next call; for all others it is that of the slip.
   void hold(double part);
-  // Slopes of the slips at the model's point against their references [count()].
-  void slopesOfSlips(double *slopes) const;
-  // Where slopes at two times, twice as long and once as long before a stop, differ little, directions that `hold` holds are those that
-  // they lead to, and become those of slips that are not small against `part` of their scale; else, as after hold(0), they are the
-  // references.
-  void aim(const double *earlier, const double *later, double part);
-  // The same where slips inside a step are not known well enough: the direction is `mean` throughout.
-  void aimAt(const double *earlier, const double *later, const double *mean);
   // The same, but for those that start at the latest `watchGrowth` alone. False: there are none.
   bool holdStarts(double part);
+  // Slopes of the slips at the model's point against their references [count()].
+  void slopesOfSlips(double *slopes) const;
+  // Directions that `hold` holds have these slopes against the references, where the slips turn evenly: where slopes at two times before a
+  // stop, one twice as long as the other, differ little; until hold(0), `renew` or `choose`. Those of slips that are not small against
+  // `part` of their scale become those of the slips.
+  void aim(const double *earlier, const double *later, const double *slopes, double part);
 
   // Derivatives of the slips by (q, v) at (t, y), whose contact terms have been evaluated; the evaluation returns to that point.
   void differentiate(double time, const double *state);
@@ -101,16 +99,17 @@ private:
     bool grows = false, starts = false;  // at the latest `watchGrowth`
   };
 
-  static bool turnsEvenly(double earlier, double later);
   // See `renew`.
   bool update(double time, const double *state);
   // Slope of friction's direction against the reference, at the point of the latest `switching`.
   [[nodiscard]] double slope(const Pair &pair) const;
   static void turn(Pair &pair, double cosine, double sine);
   void copySlipsByVelocity();
-  [[nodiscard]] bool isSlow(int pair) const;
+  [[nodiscard]] bool isBelow(int pair, double part) const;
   // Slips below have the reference direction: rounding errors of those that grow, whose direction is known from the start on.
   [[nodiscard]] double rounding(const Pair &pair) const;
+  // The part along the reference below which the slope leaves that of the slip.
+  [[nodiscard]] double smoothing(const Pair &pair) const;
   [[nodiscard]] double along(const Pair &pair) const;
   [[nodiscard]] double across(const Pair &pair) const;
 

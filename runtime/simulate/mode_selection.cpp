@@ -174,7 +174,7 @@ std::string ModeSelection::jump(const double *state) {
 }
 
 // False: a coefficient of a contact that touches, or a bound, is no limit of forces; text_ says which one is negative.
-bool ModeSelection::checkFriction() {
+bool ModeSelection::hasFrictionLimits() {
   const tf_model &model = at_.model();
   const auto check = [this](const auto &element, double limit) {
     if (limit < -negligibleFriction)
@@ -339,7 +339,7 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   // Else chooseRows has called them.
   if (!surfaces_.empty())
     at_.contactTerms(mask_.data());
-  if (!checkFriction())
+  if (!hasFrictionLimits())
     return Trial::Failed;
   system_.gather(at_);
   system_.respond(at_);

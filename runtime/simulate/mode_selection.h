@@ -113,7 +113,7 @@ private:
   [[nodiscard]] int forcelessRow(const ContactSolution &solution) const;
   [[nodiscard]] Switch sideOf(int j, EventHint hint) const;
   [[nodiscard]] std::string jump(const double *state);
-  bool checkFriction();
+  bool hasFrictionLimits();
   [[nodiscard]] bool hasFriction(int contact) const;
   void classifySwitches(const Mode &previous, EventHint hint);
   void chooseRows(double time, const double *state, const Mode &previous);

@@ -165,9 +165,14 @@ bool Sensitivities::differenceRate(Column &column, double time, const double *st
   // Forces of pairs, and those that redundant rows share, come out of iterations and thresholds.
   const bool isSmooth = !follows && !dynamics_.hasPairs();
   const double magnitude = Eigen::Map<const Eigen::VectorXd>(rate_.data(), n_).lpNorm<Eigen::Infinity>();
-  const bool isGood = isSmooth ? differenceOfSmooth(rate, scale, magnitude, n_ + extra, rateAndState_.data())
-                               : difference(rate, scale, n_ + extra, rateAndState_.data());
-  column.shortening = isSmooth ? shortening_ : 1;
+  bool isGood = false;
+  column.shortening = 1;
+  if (!isSmooth) {
+    isGood = difference(rate, scale, n_ + extra, rateAndState_.data());
+  } else if (const auto shortening = differenceOfSmooth(rate, scale, magnitude, n_ + extra, rateAndState_.data())) {
+    column.shortening = *shortening;
+    isGood = true;
+  }
   shift(column, 0);
   b = Eigen::Map<const Eigen::VectorXd>(rateAndState_.data(), n_);
   return isGood;

@@ -90,10 +90,11 @@ private:
   // d/ds at s = 0 of `function`(s, values), by central differences, or one-sided ones where one side cannot be evaluated.
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   // The same of a function without jumps and thresholds, which may have another scale than that of its values: of a frequency after many
-  // periods, of what is small beside its nominal value. Steps are shortened as far as that pays, by shortening_ in the end. `magnitude`: of
-  // terms that the values are sums of, and have the rounding errors of, where these are larger than the values.
+  // periods, of what is small beside its nominal value. Steps are shortened as far as that pays; by how many times, nothing where it cannot
+  // be evaluated. `magnitude`: of terms that the values are sums of, and have the rounding errors of, where these are larger than the
+  // values.
   template <class Function>
-  bool differenceOfSmooth(const Function &function, double scale, double magnitude, int count, double *derivative);
+  std::optional<double> differenceOfSmooth(const Function &function, double scale, double magnitude, int count, double *derivative);
   // What a difference is wrong by, relative to how much the values change: at least about that. 1: nothing is known.
   struct DifferenceError {
     double truncation = 0, total = 0;  // total: with rounding
@@ -164,7 +165,6 @@ private:
   std::vector<int> landings_;  // contacts of the event that has begun
   int eventsSinceStep_ = 0;    // that have ended
   std::vector<double> state_, rate_, samples_, finer_;
-  double shortening_ = 1;
   double held_ = 0;                 // of addStep
   std::vector<double> refinement_;  // of each column's differences of a map
   LinearCollocation gauss_, damped_;

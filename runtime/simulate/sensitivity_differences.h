@@ -14,10 +14,9 @@ namespace tf::runtime {
 // Of a difference, relative to the magnitude of what changes: rounding 1e-16 / 1e-4, truncation (1e-4)⁴.
 inline constexpr double differenceStep = 1e-4;
 
-// Five values of a function of s at equal distances, and the weights of its derivative at s = 0.
+// Places of five values of a function of s, in steps, and their weights in its derivative at s = 0.
 struct DifferenceFormula {
-  std::array<double, 5> places, weights;
-  std::array<double, 5> lower;  // of order 2
+  std::array<double, 5> places, weights, lower;  // lower: of order 2, the others of order 4
 };
 
 template <class Function>
@@ -71,13 +70,15 @@ template <class Function> bool Sensitivities::difference(const Function &functio
 }
 
 template <class Function>
-bool Sensitivities::differenceOfSmooth(const Function &function, double scale, double magnitude, int count, double *derivative) {
-  constexpr double good = 1e-11, worthwhile = 0.25, unknown = 1e-2, aim = 1e-6, shortest = 1e-3, longest = 0.1;
+std::optional<double> Sensitivities::differenceOfSmooth(const Function &function, double scale, double magnitude, int count,
+                                                        double *derivative) {
+  // Truncation errors: one that no shorter step is tried for; one up to which it tells the function's scale, so that the next step is to
+  // have the difference `aim` between orders 2 and 4. Of the steps' lengths: the shortest and the longest part of the one before. What is
+  // won is worth a further step where the error falls to this part of it.
+  constexpr double good = 1e-11, unknown = 1e-2, aim = 1e-6, shortest = 1e-3, longest = 0.1, worthwhile = 0.25;
   constexpr int mostPasses = 6;
-  const double first = differenceStep / scale;
-  double h = first;
+  double h = differenceStep / scale, shortening = 1;
   std::optional<DifferenceError> error = differenceAt(function, h, magnitude, count, derivative);
-  shortening_ = 1;
   finer_.resize(static_cast<std::size_t>(count));
   for (int pass = 0; pass < mostPasses && !(error && error->truncation <= good); ++pass) {
     // Far beyond a function's own scale nothing tells how far.
@@ -89,11 +90,11 @@ bool Sensitivities::differenceOfSmooth(const Function &function, double scale, d
       break;
     if (isBetter) {
       error = finer;
-      shortening_ = first / h;
+      shortening = differenceStep / (scale * h);
       std::copy_n(finer_.begin(), count, derivative);
     }
   }
-  return error.has_value();
+  return error ? std::optional(shortening) : std::nullopt;
 }
 
 }  // namespace tf::runtime

@@ -142,6 +142,7 @@ tf_status Simulation::Implementation::initialise(double startTime) {
   std::fill(impulse_.begin(), impulse_.end(), 0.0);
   suggestedStep_ = 0;
   switchTime_ = jamTime_ = -std::numeric_limits<double>::infinity();
+  openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
   lingeringSteps_ = 0;
   progress_.start(startTime, model_.nc + model_.nf + model_.ns);
   switchProgress_.start(model_.ns);
@@ -405,7 +406,8 @@ tf_status Simulation::Implementation::searchStep(DetectedEvent &event) {
   return TF_OK;
 }
 
-// A step without event at whose end a guard is no number: what happens before that, and results up to there, are those of shorter ones.
+// Where a step without event ends with a guard that is no number, what happens before that, and results up to there, are those of shorter
+// ones.
 tf_status Simulation::Implementation::shortenToDefined(DetectedEvent &event) {
   constexpr double shortest = 1e-13;
   SmoothIntegrator &integrator = integrators_.current();
@@ -445,9 +447,8 @@ tf_status Simulation::Implementation::step(double limit) {
   DetectedEvent event;
   if (const tf_status searched = searchStep(event); searched != TF_OK)
     return searched;
-  if (event.guard < 0 && detection_.hasUndefined())
-    if (const tf_status shortened = shortenToDefined(event); shortened != TF_OK)
-      return shortened;
+  if (const tf_status shortened = shortenToDefined(event); shortened != TF_OK)
+    return shortened;
   if (event.guard >= 0)
     return handle(event, limit);
   detection_.advance();
@@ -624,6 +625,7 @@ void Simulation::Implementation::restore(const void *buffer) {
     sensitivities_->read(more.sensitivities.data());
   error_.clear();
   areSensitivitiesLost_ = false;
+  openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
   enterSegment();
   modeValid_ = beginAnew();
 }

@@ -158,7 +158,10 @@ void Simulation::Implementation::report(const std::vector<Transition> &transitio
 
 tf_status Simulation::Implementation::timeEvent() {
   beginEvent();
-  beginSwitch();
+  // After a failure energies before it are those of the first attempt: inputs are other ones by now.
+  if (openTimeEvent_ != time_)
+    beginSwitch();
+  openTimeEvent_ = time_;
   enterSegment();
   rest_.restart();
   if (std::isinf(suggestedStep_))
@@ -169,6 +172,7 @@ tf_status Simulation::Implementation::timeEvent() {
   hint.keepsOpen = true;
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
+  openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
   if (const tf_status status = endSwitch(-1); status != TF_OK)
     return status;
   report(transitions);
@@ -215,7 +219,7 @@ tf_status Simulation::Implementation::goOn() {
   if (areSensitivitiesLost_)
     return TF_FAILED;
   error_.clear();
-  if (inputs_.revision() != inputRevision_)
+  if (inputs_.revision() != inputRevision_ || openTimeEvent_ == time_)
     return timeEvent();
   beginEvent();
   std::vector<Transition> &transitions = beginTransitions();

@@ -19,6 +19,8 @@
 #include "runtime/simulate/transitions.h"
 #include "runtime/simulate/variable_values.h"
 
+#include <limits>
+
 namespace tf::runtime {
 
 class Simulation::Implementation {
@@ -85,6 +87,7 @@ public:
   bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
   Redundancy redundancy_;
   EnergyJump energyJump_;
+  double openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();  // when one has begun that has not ended: it has failed
   // workspaces
   std::vector<Transition> transitions_;
   std::vector<Approach> approaches_;  // before the event

@@ -40,8 +40,8 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
     return false;
   const DetectedEvent detected = event;
   aimDirections(event, aboutToStop * part);
-  slipSpeedInside(event.guard, event.time);
   // Slips of one body end together: none of them has a direction there.
+  slipSpeedInside(event.guard, event.time);
   dynamics_.holdDirections(aboutToStop * part);
   if (detection_.locate(event) == EventDetection::Location::Found) {
     at_.setPoint(integrator.endTime(), integrator.end());
@@ -82,28 +82,29 @@ double Simulation::Implementation::turnsBefore(const DetectedEvent &event) {
 // their errors where the slip is slow: they have the mean of the step's.
 void Simulation::Implementation::aimDirections(const DetectedEvent &event, double part) {
   const SmoothIntegrator &integrator = integrators_.current();
-  const double begin = integrator.beginTime(), length = event.time - begin;
-  const int count = dynamics_.turningPairCount();
-  const auto slopesAt = [&](double before, int place) {
-    double *slopes = slopes_.data() + static_cast<std::ptrdiff_t>(place) * count;
+  const double length = event.time - integrator.beginTime();
+  const auto count = static_cast<std::size_t>(dynamics_.turningPairCount());
+  slopes_.assign(4 * count, 0.0);
+  double *earlier = slopes_.data(), *later = earlier + count, *held = later + count, *inside = held + count;
+  const auto readSlopes = [&](double before, double *slopes) {
     slipSpeedInside(event.guard, event.time - before * length);
     dynamics_.slopesOfSlips(slopes);
-    return slopes;
   };
-  slopes_.resize(4 * static_cast<std::size_t>(count));
-  const double *earlier = slopesAt(2 * partBeforeStop, 0), *later = slopesAt(partBeforeStop, 1);
-  if (integrator.hasExactStages())
-    return dynamics_.aimDirections(earlier, later, part);
-  double *mean = slopes_.data() + static_cast<std::ptrdiff_t>(3) * count;
-  std::fill_n(mean, count, 0.0);
+  readSlopes(2 * partBeforeStop, earlier);
+  readSlopes(partBeforeStop, later);
+  if (integrator.hasExactStages()) {
+    for (std::size_t k = 0; k < count; ++k)
+      held[k] = 2 * later[k] - earlier[k];
+    return dynamics_.aimDirections(earlier, later, held, part);
+  }
   // Gauss' quadrature of order 6.
   constexpr double nodes[] = {0.1127016653792583, 0.5, 0.8872983346207417}, weights[] = {5.0 / 18, 4.0 / 9, 5.0 / 18};
-  for (int k = 0; k < 3; ++k) {
-    const double *slopes = slopesAt(nodes[k], 2);
-    for (int pair = 0; pair < count; ++pair)
-      mean[pair] += weights[k] * slopes[pair];
+  for (int node = 0; node < 3; ++node) {
+    readSlopes(nodes[node], inside);
+    for (std::size_t k = 0; k < count; ++k)
+      held[k] += weights[node] * inside[k];
   }
-  dynamics_.aimDirectionsAt(earlier, later, mean);
+  dynamics_.aimDirections(earlier, later, held, 0);
 }
 
 // The error of a velocity over a run may be this part of its scale.
