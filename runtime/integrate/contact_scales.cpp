@@ -89,6 +89,13 @@ double ContactScales::length(int index, const double *q) const {
   return std::max(row.length, resolved * largest);
 }
 
+double ContactScales::share(int row, const double *entries) const {
+  double length = 0;
+  for (int k = 0; k < model_->nv; ++k)
+    length = std::max(length, std::abs(entries[k]) * lengths_[k]);
+  return length / residual(row);
+}
+
 double ContactScales::farthest(const double *q) const {
   double largest = 0;
   for (const int i : coordinate_)

@@ -43,6 +43,8 @@ public:
   [[nodiscard]] double slip(int row, const double *v, double most = several) const { return speed(model_->nc + row, v, most); }
   // The same of a constraint's row and its rate.
   [[nodiscard]] double residual(int row) const { return rows_[model_->nc + model_->nt + row].length; }
+  // How far the nominal magnitude of one coordinate moves the constraint's row with these entries [nv] at most, relative to that scale.
+  [[nodiscard]] double share(int row, const double *entries) const;
   [[nodiscard]] double residualRate(int row, const double *v) const { return speed(model_->nc + model_->nt + row, v, several); }
 
 private:

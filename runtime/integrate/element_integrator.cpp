@@ -190,8 +190,6 @@ StepStatus ElementIntegrator::step(double limit) {
     if (h <= smallestStep(beginTime_) && !last)
       return StepStatus::TooSmall;
     if (!solve(h, accuracy) && !(dynamics_.hasTurningSlips() && accuracy < turningAccuracy && solve(h, turningAccuracy))) {
-      if (fixed && dynamics_.failure() == EvaluationFailure::None)
-        return StepStatus::Unsolvable;
       if (h <= 1e4 * smallestStep(beginTime_))
         return StepStatus::Unsolvable;
       ++statistics_.rejected;

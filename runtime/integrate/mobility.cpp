@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace tf::runtime {
@@ -12,20 +13,22 @@ namespace {
 // A row whose part that is independent of the others is below this share of its length counts as redundant. Rows that depend on each other
 // differ by the drift of the positions, which projection holds at round-off.
 constexpr double independence = 1e-6;
+// A row that is shorter than this part of what it is elsewhere is compared with that instead of with itself.
+constexpr double nearlyVanishing = 1e-3;
 
 }  // namespace
 
 Mobility::Mobility(MassMatrix mass, int constraints)
     : nv_(mass.size()), nh_(constraints), rank_(constraints), mass_(std::move(mass)), jacobian_(nv_, constraints),
       response_(nv_, constraints), half_(nv_, constraints), scaledHalf_(nv_, constraints), inertia_(constraints, constraints),
-      scale_(constraints), factor_(constraints), decomposition_(constraints, constraints), work_(constraints), solution_(constraints),
-      second_(nv_) {
+      scale_(constraints), reduction_(constraints), shares_(constraints), factor_(constraints), decomposition_(constraints, constraints),
+      work_(constraints), solution_(constraints), second_(nv_) {
   decomposition_.setThreshold(independence * independence);
 }
 
 bool Mobility::setMass(const double *mass) { return mass_.factorise(mass); }
 
-bool Mobility::setConstraints(const double *jacobian) {
+bool Mobility::setConstraints(const double *jacobian, const double *shares) {
   for (int k = 0; k < nh_; ++k) {
     const Eigen::Map<const Eigen::VectorXd> row(jacobian + static_cast<std::ptrdiff_t>(k) * nv_, nv_);
     if (!row.allFinite())
@@ -36,7 +39,9 @@ bool Mobility::setConstraints(const double *jacobian) {
     mass_.addBackward(second_.data(), response_.col(k).data());
     const double length = std::sqrt(row.dot(response_.col(k)));
     // A row that vanishes, as at a singular position, has no force.
-    scale_[k] = length > 0 ? 1 / length : 0;
+    shares_[k] = std::min(1.0, shares[k]);
+    reduction_[k] = std::min(1.0, shares[k] / nearlyVanishing);
+    scale_[k] = length > 0 && reduction_[k] > independence ? reduction_[k] / length : 0;
     jacobian_.col(k) = scale_[k] * row;
     response_.col(k) *= scale_[k];
     half_.col(k) *= scale_[k];
@@ -48,16 +53,74 @@ bool Mobility::setConstraints(const double *jacobian) {
 
 void Mobility::factorise() {
   inertia_.noalias() = jacobian_.transpose() * response_;
-  rank_ = nh_;
-  factor_.compute(inertia_);
+  isReduced_ = !kept_.empty();
+  rank_ = isReduced_ ? static_cast<int>(kept_.size()) : nh_;
+  if (isReduced_)
+    factor_.compute(inertia_(kept_, kept_));
+  else
+    factor_.compute(inertia_);
   // The pivots of the Cholesky factor are the independent parts of the rows, in their order.
-  for (int k = 0; k < nh_; ++k)
-    if (factor_.info() != Eigen::Success || !(factor_.matrixLLT()(k, k) > independence))
-      rank_ = 0;
-  if (rank_ == nh_)
+  bool isRegular = factor_.info() == Eigen::Success;
+  for (int k = 0; k < rank_ && isRegular; ++k)
+    isRegular = factor_.matrixLLT()(k, k) > independence;
+  if (isRegular)
     return;
+  isReduced_ = false;
   decomposition_.compute(inertia_);
   rank_ = static_cast<int>(decomposition_.rank());
+}
+
+Mobility::Pivots Mobility::pivots() const {
+  Pivots found;
+  Eigen::MatrixXd rest = inertia_;
+  while (static_cast<int>(found.rows.size()) < nh_) {
+    int largest = -1;
+    double part = 0;
+    for (int k = 0; k < nh_; ++k)
+      if (rest(k, k) > independence * independence && independentLength(k, std::sqrt(rest(k, k))) > part) {
+        largest = k;
+        part = independentLength(k, std::sqrt(rest(k, k)));
+      }
+    if (largest < 0)
+      break;
+    found.rows.push_back(largest);
+    found.least = part;
+    const Eigen::VectorXd column = rest.col(largest) / std::sqrt(rest(largest, largest));
+    rest.noalias() -= column * column.transpose();
+    rest(largest, largest) = 0;
+  }
+  std::sort(found.rows.begin(), found.rows.end());
+  return found;
+}
+
+// A pivot of the row, as a part of the row's length elsewhere.
+double Mobility::independentLength(int row, double pivot) const { return pivot / reduction_[row] * shares_[row]; }
+
+bool Mobility::chooseIndependent() {
+  constexpr double clearlyLess = 0.3;
+  if (rank_ == nh_ && deficiency_ == 0)
+    return false;
+  Pivots best = pivots();
+  const int before = std::exchange(deficiency_, nh_ - static_cast<int>(best.rows.size()));
+  if (before == 0 || deficiency_ == 0)
+    best.rows.clear();
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t j = 0; isReduced_ && j < kept_.size(); ++j)
+    least = std::min(least, independentLength(kept_[j], factor_.matrixLLT()(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j))));
+  // Rows that are about as independent stay.
+  if (best.rows == kept_ || (isReduced_ && best.rows.size() == kept_.size() && least > clearlyLess * best.least))
+    return false;
+  kept_ = std::move(best.rows);
+  factorise();
+  return true;
+}
+
+void Mobility::keepAll() {
+  deficiency_ = 0;
+  if (kept_.empty())
+    return;
+  kept_.clear();
+  factorise();
 }
 
 // Cholesky's method in the order of the rows: the pivots of dependent ones vanish. Their coefficients are those of the projection onto the
@@ -85,12 +148,26 @@ std::vector<DependentRow> Mobility::dependentRows() const {
 }
 
 void Mobility::solve(Eigen::VectorXd &residual) const {
+  if (isReduced_) {
+    keptWork_ = residual(kept_);
+    factor_.solveInPlace(keptWork_);
+    residual.setZero();
+    residual(kept_) = keptWork_;
+    return;
+  }
   if (rank_ == nh_) {
     factor_.solveInPlace(residual);
     return;
   }
   solution_ = decomposition_.solve(residual);
   residual = solution_;
+}
+
+Eigen::VectorXd Mobility::leastNorm(const Eigen::VectorXd &residual) const {
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(nh_, nh_);
+  decomposition.setThreshold(independence * independence);
+  decomposition.compute(inertia_);
+  return decomposition.solve(residual);
 }
 
 // x += M⁻¹ Hᵀ ν for ν in work_.
@@ -120,7 +197,10 @@ void Mobility::multipliers(const double *force, const double *bias, double *mult
   work_.noalias() = -response_.transpose() * Eigen::Map<const Eigen::VectorXd>(force, nv_);
   for (int k = 0; bias != nullptr && k < nh_; ++k)
     work_[k] -= scale_[k] * bias[k];
-  solve(work_);
+  if (!isReduced_)
+    solve(work_);
+  else
+    work_ = leastNorm(work_);
   for (int k = 0; k < nh_; ++k)
     multipliers[k] = scale_[k] * work_[k];
 }

@@ -1,6 +1,8 @@
 // How accelerations follow from forces under the bilateral constraints (theory.md section 1):
 //     M a = f + Hᵀ ν,   H a + bias = 0,      W = M⁻¹ − M⁻¹Hᵀ (H M⁻¹ Hᵀ)⁺ H M⁻¹
-// Without constraints W = M⁻¹. Redundant constraints leave a and W unique; their multipliers are the least-norm ones.
+// Without constraints W = M⁻¹. Redundant constraints leave a and W unique; their multipliers are the least-norm ones. They depend on each
+// other where the constraints hold, and only there: beside these positions, where stages of a step are, a choice of independent rows stands
+// for all, so that the motion is a smooth function of the state there too.
 #pragma once
 
 #include "runtime/integrate/mass_matrix.h"
@@ -24,8 +26,16 @@ public:
 
   // M [nv × nv, row-major, symmetric]. False if it is not positive definite (or not finite).
   bool setMass(const double *mass);
-  // H [nh × nv, row-major] at the point of the mass matrix, after setMass. False if it is not finite.
-  bool setConstraints(const double *jacobian);
+  // H [nh × nv, row-major] at the point of the mass matrix, after setMass; `shares` [nh]: a row's length relative to what it is elsewhere
+  // (ContactScales::share), as of one that vanishes at a position and is made of errors near it. False if H is not finite.
+  bool setConstraints(const double *jacobian, const double *shares);
+  // From now on the point's independent rows stand for all, if there are fewer than all here and at the last such point, where the
+  // constraints held too: rows may depend on each other at one place of the motion only. True if that changes the rows that do.
+  bool chooseIndependent();
+  // Rows depended on others at the last point of chooseIndependent.
+  [[nodiscard]] bool wasRedundant() const { return deficiency_ > 0; }
+  // All rows count again, as where they have become other ones.
+  void keepAll();
 
   // x = W b; x and b may be the same.
   void apply(const double *b, double *x) const;
@@ -44,26 +54,39 @@ public:
   // Number of independent constraint rows.
   [[nodiscard]] int rank() const { return rank_; }
   // The part of a row's length, in the metric of M⁻¹, that is independent of the rows before it, where all are independent.
-  [[nodiscard]] double independentPart(int row) const { return factor_.matrixLLT()(row, row); }
+  [[nodiscard]] double independentPart(int row) const { return factor_.matrixLLT()(row, row) / reduction_[row]; }
   // The rows that add nothing to those before them: the same ones wherever the same rows depend on each other.
   [[nodiscard]] std::vector<DependentRow> dependentRows() const;
 
 private:
+  // Rows that are independent, chosen one by one: the one whose independent part is the largest, relative to its length elsewhere.
+  struct Pivots {
+    std::vector<int> rows;  // in their order
+    double least = 0;       // the part of the last one chosen
+  };
   void factorise();
-  // ν = (H M⁻¹ Hᵀ)⁺ r in place
+  [[nodiscard]] Pivots pivots() const;
+  [[nodiscard]] double independentLength(int row, double pivot) const;
+  // ν = (H M⁻¹ Hᵀ)⁺ r in place; with rows that stand for all any ν that makes the same motion
   void solve(Eigen::VectorXd &residual) const;
+  // The least ν, of the rows scaled, that solves all rows.
+  [[nodiscard]] Eigen::VectorXd leastNorm(const Eigen::VectorXd &residual) const;
   void react(double *x) const;
 
   int nv_, nh_, rank_;
   MassMatrix mass_;
-  Eigen::MatrixXd jacobian_;           // nv × nh: Hᵀ with its columns scaled to unit length in the metric of M⁻¹
-  Eigen::MatrixXd response_;           // nv × nh: M⁻¹ Hᵀ, scaled likewise
-  Eigen::MatrixXd half_, scaledHalf_;  // nv × nh: L⁻¹ P Hᵀ and Δ⁻¹ L⁻¹ P Hᵀ, scaled likewise
-  Eigen::MatrixXd inertia_;            // nh × nh: H M⁻¹ Hᵀ, scaled; unit diagonal
-  Eigen::VectorXd scale_;
-  Eigen::LLT<Eigen::MatrixXd> factor_;
+  std::vector<int> kept_;               // the rows that stand for all; empty: all
+  bool isReduced_ = false;              // factor_ is that of the rows kept, of fewer than all
+  int deficiency_ = 0;                  // at the last point of chooseIndependent: how many rows depend on others
+  Eigen::MatrixXd jacobian_;            // nv × nh: Hᵀ with its columns scaled to unit length in the metric of M⁻¹
+  Eigen::MatrixXd response_;            // nv × nh: M⁻¹ Hᵀ, scaled likewise
+  Eigen::MatrixXd half_, scaledHalf_;   // nv × nh: L⁻¹ P Hᵀ and Δ⁻¹ L⁻¹ P Hᵀ, scaled likewise
+  Eigen::MatrixXd inertia_;             // nh × nh: H M⁻¹ Hᵀ, scaled; unit diagonal but of rows that nearly vanish
+  Eigen::VectorXd scale_, reduction_;   // a row's factor, and what it makes of the row's length in the metric of M⁻¹
+  Eigen::VectorXd shares_;              // of setConstraints, at most 1
+  Eigen::LLT<Eigen::MatrixXd> factor_;  // of all rows, or of those that stand for them
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
-  mutable Eigen::VectorXd work_, solution_;
+  mutable Eigen::VectorXd work_, solution_, keptWork_;
   Eigen::VectorXd second_;
 };
 

@@ -24,6 +24,7 @@ ModelEvaluation::ModelEvaluation(const tf_model &model, const InputSignals &inpu
       coordinateRate_(array(model.nq)) {
   const int nx = columns();
   zero_ = displaced_ = array(stateSize());
+  shares_ = array(model.nh);
   everything_.assign(static_cast<std::size_t>(model.nc) + model.nf, 1);
   conditionGradient = array(model.ns, nx);
   residualByState = array(model.nv, nx);
@@ -98,7 +99,9 @@ bool ModelEvaluation::dynamics() {
   if (model_->nh == 0)
     return true;
   constraintRows();
-  return mobility.setConstraints(constraintJacobian.data());
+  for (int row = 0; row < model_->nh; ++row)
+    shares_[row] = scales.share(row, constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model_->nv);
+  return mobility.setConstraints(constraintJacobian.data(), shares_.data());
 }
 
 bool ModelEvaluation::factoriseMass() {
@@ -236,12 +239,44 @@ void ModelEvaluation::measureScales(double time, const double *state) {
   moveCoordinates(displaced_.data(), scales.lengths().data());
   scales.start();
   for (const double *point : {static_cast<const double *>(displaced_.data()), state}) {
+    const std::vector<double> nearby = rowsNearby(time, point);
     setPoint(time, point);
     contactTerms(everything_.data());
     constraintRows();
+    clearRounding(nearby);
     scales.include(normal.data(), tangent.data(), constraintJacobian.data());
   }
   scales.finish();
+}
+
+// H where the coordinates are displaced by so little that its rows are the same but for rounding.
+std::vector<double> ModelEvaluation::rowsNearby(double time, const double *state) {
+  constexpr double little = 1e-6;
+  if (model_->nh == 0)
+    return {};
+  std::vector<double> nearby(state, state + stateSize()), way = scales.lengths();
+  for (double &part : way)
+    part *= little;
+  setPoint(time, nearby.data());
+  moveCoordinates(nearby.data(), way.data());
+  constraintRows();
+  return constraintJacobian;
+}
+
+// Rows of H that are others nearby vanish, but for rounding errors.
+void ModelEvaluation::clearRounding(const std::vector<double> &nearby) {
+  constexpr double others = 0.1;
+  for (int row = 0; row < model_->nh; ++row) {
+    double *entries = constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model_->nv;
+    const double *other = nearby.data() + static_cast<std::ptrdiff_t>(row) * model_->nv;
+    double size = 0, difference = 0;
+    for (int k = 0; k < model_->nv; ++k) {
+      size = std::max({size, std::abs(entries[k]), std::abs(other[k])});
+      difference = std::max(difference, std::abs(entries[k] - other[k]));
+    }
+    if (difference > others * size)
+      std::fill_n(entries, model_->nv, 0.0);
+  }
 }
 
 void ModelEvaluation::constraintResiduals() { constraintTerms(true, false); }

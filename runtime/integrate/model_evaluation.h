@@ -123,6 +123,8 @@ public:
 private:
   void evaluateInputs(double time);
   void constraintTerms(bool residuals, bool rows);
+  std::vector<double> rowsNearby(double time, const double *state);
+  void clearRounding(const std::vector<double> &nearby);
   using SwitchingMask = std::vector<std::uint8_t>;
   void read(const SwitchingMask &mask);
   void selectContacts(int parts, const std::uint8_t *contacts, SwitchingMask &mask) const;
@@ -137,7 +139,7 @@ private:
   const InputSignals *inputs_;
   const double *in_[TF_IN_COUNT] = {};
   std::array<double *, 9> contactDynamics_;  // its results
-  std::vector<double> coordinateChange_, inputShift_;
+  std::vector<double> coordinateChange_, inputShift_, shares_;
   std::vector<double> zero_, displaced_;  // states
   std::vector<std::uint8_t> everything_;  // nc + nf
   double time_ = 0, segment_ = 0;

@@ -42,10 +42,14 @@ EventDetection::Location EventDetection::locate(DetectedEvent &event) {
     bracket.narrow(x, value < 0);
     if (g.kind == GuardKind::Gap) {
       slope = dynamics_.model().gapRate[g.index];
-      // A gap that has just begun to open does so more slowly than a long step is wrong.
+      // A gap that has just begun to open does so more slowly than a long step is wrong. A fixed step is what it is.
       if (value > 0 && slope >= 0) {
         event.time = x;
-        return Location::Vanished;
+        const double later = integrator_->settings().fixedStep > 0 ? bracket.next(std::numeric_limits<double>::infinity()) : x;
+        if (!(later > x))
+          return Location::Vanished;
+        x = later;
+        continue;
       }
     } else if (g.kind == GuardKind::Slip && hasJustBegun(guard, value)) {
       // So does a slip whose acceleration has just been zero.

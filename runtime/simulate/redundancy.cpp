@@ -93,10 +93,7 @@ std::string Redundancy::singularity(double tolerance) const {
   double weakest = 1;
   int found = -1;
   for (int row = 0; row < model.nh; ++row) {
-    double length = 0;
-    for (int i = 0; i < model.nv; ++i)
-      length = std::max(length, std::abs(at_.constraintJacobian[row * model.nv + i]) * at_.scales.lengths()[i]);
-    const double share = at_.mobility.independentPart(row) * length / at_.scales.residual(row);
+    const double share = at_.mobility.independentPart(row) * at_.scales.share(row, &at_.constraintJacobian[row * model.nv]);
     if (share < weakest) {
       weakest = share;
       found = row;

@@ -117,8 +117,12 @@ tf_status Simulation::Implementation::checkConstraints() {
   SmoothIntegrator &integrator = integrators_.current();
   if (const std::string text = redundancy_.singularity(owner_.options.tolerance); !text.empty())
     return failAt(text);
-  if (!redundancy_.isPresent() || !dynamics_.evaluate(integrator.endTime(), integrator.end(), rate_.data()))
+  if (!redundancy_.isPresent() && !at_.mobility.wasRedundant())
     return TF_OK;
+  if (!dynamics_.evaluate(integrator.endTime(), integrator.end(), rate_.data()))
+    return TF_OK;
+  if (at_.mobility.chooseIndependent() && !dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
+    return failEvaluation();
   const std::string text = redundancy_.contradiction(owner_.options.tolerance);
   return text.empty() ? TF_OK : fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
 }
@@ -205,6 +209,7 @@ tf_status Simulation::Implementation::takeStarts() {
   enterSegment();
   selection_.setStepVariables(time_, state_.data(), mode_);
   at_.measureScales(time_, state_.data());
+  at_.mobility.keepAll();
   if (std::string text = failures_.contactParameters(); !text.empty())
     return fail(std::move(text));
   return TF_OK;
@@ -273,6 +278,7 @@ tf_status Simulation::Implementation::settleStart() {
       return status;
   if (impact || std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_PAINLEVE; }))
     report(transitions);
+  at_.mobility.chooseIndependent();
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 

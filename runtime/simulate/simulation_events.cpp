@@ -170,8 +170,10 @@ tf_status Simulation::Implementation::timeEvent() {
   transitions.push_back({TF_EVENT_TIME, -1});
   EventHint hint;
   hint.keepsOpen = true;
+  at_.mobility.keepAll();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
+  at_.mobility.chooseIndependent();
   openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
   if (const tf_status status = endSwitch(-1); status != TF_OK)
     return status;
@@ -421,10 +423,14 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
   hint.keepsOpen = isStep || guard.kind == GuardKind::Condition;
   std::vector<Transition> &transitions = beginTransitions();
   const bool switches = guard.kind == GuardKind::Condition;
-  if (switches)
+  if (switches) {
     beginSwitch();
+    at_.mobility.keepAll();
+  }
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
+  if (switches)
+    at_.mobility.chooseIndependent();
   if (const tf_status status = switches ? endSwitch(guard.index) : TF_OK; status != TF_OK)
     return status;
   if (stopped >= 0 && mode_.tangent[stopped] == Tangent::SlipPositive)

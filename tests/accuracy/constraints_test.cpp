@@ -204,6 +204,54 @@ end Crank;
   EXPECT_GE(stopped, 3);
 }
 
+// Four bars of Bennett's: the axes of their hinges are neither parallel nor do they meet, so that all but three of the seven rows follow
+// from others wherever the loop is closed, and nowhere else. tan(t₁/2) tan(t₂/2) = sin((β + α)/2)/sin((β − α)/2), t₃ = −t₁. At t₁ = 0,
+// which it passes, the first row vanishes.
+TEST_P(Constraints, BennettsLinkageMovesAsInItsOneAngle) {
+  const std::string parameters = R"(
+  parameter Real al = 0.6, be = 1.1, a = 1, b = a*sin(be)/sin(al), t0 = 1;
+  parameter Real k = sin((be + al)/2)/sin((be - al)/2), s0 = 2*atan2(k*cos(t0/2), sin(t0/2));
+)",
+                    bars = R"(
+  Rotation R1 = rotation({0, 0, 1}, t1), F1 = R1*rotation({1, 0, 0}, al);
+  Rotation R2 = F1*rotation({0, 0, 1}, t2), F2 = R2*rotation({1, 0, 0}, be);
+  Rotation R3 = F2*rotation({0, 0, 1}, t3);
+  Real p1[3] = R1*{a, 0, 0}, p2[3] = p1 + R2*{b, 0, 0}, p3[3] = p2 + R3*{a, 0, 0};
+  body l1(mass = 1, position = p1/2, orientation = R1, inertia = diagonal({0.01, 0.1, 0.1}));
+  body l2(mass = 1.5, position = (p1 + p2)/2, orientation = R2, inertia = diagonal({0.01, 0.2, 0.2}));
+  body l3(mass = 1, position = (p2 + p3)/2, orientation = R3, inertia = {{0.02, 0.01, 0}, {0.01, 0.1, 0}, {0, 0, 0.1}});
+  gravity g(acceleration = {1, 2, -9.81});
+)";
+  const std::string oneAngle = sourceFile("bennett_in_one_angle.tf", "model Bennett" + parameters + R"(
+  coordinate Real t1(start = t0, der(start = 1.5));
+  Real t2 = 2*atan2(k*cos(t1/2), sin(t1/2)), t3 = -t1;)" + bars + "end Bennett;\n");
+  const std::string fourAngles = sourceFile("bennett_in_four_angles.tf", "model Bennett" + parameters + R"(
+  coordinate Real t1(start = t0, der(start = 1.5));
+  coordinate Real t2(start = s0, fixed = false, der(fixed = false));
+  coordinate Real t3(start = -t0, fixed = false, der(fixed = false)), t4(start = -s0, fixed = false, der(fixed = false));)" +
+                                                                             bars +
+                                                                             R"(
+  Rotation F3 = R3*rotation({1, 0, 0}, al), R4 = F3*rotation({0, 0, 1}, t4), F4 = R4*rotation({1, 0, 0}, be);
+  Real ex[3] = F4*{1, 0, 0}, ez[3] = F4*{0, 0, 1};
+  body l4(mass = 1, position = p3 + R4*{b, 0, 0}/2, orientation = R4, inertia = identity(3));
+  constraint closed(residual = p3 + R4*{b, 0, 0});
+  constraint turned(residual = {ex[2], ex[3], ez[1], ez[2]});
+end Bennett;
+)");
+  constexpr double amplification = 10, end = 3;
+  for (const double start : {1.0, 1e-9, 0.0}) {
+    CompiledModel reference(oneAngle, {{"t0", start}});
+    reference.tolerance(1e-12).run(end);
+    for (const double tolerance : {1e-4, 1e-7, 1e-9}) {
+      CompiledModel model(fourAngles, {{"t0", start}});
+      ASSERT_NO_THROW(model.tolerance(tolerance).integrator(GetParam()).run(end)) << start << ", tolerance " << tolerance;
+      EXPECT_EQ(tf_get_statistics(model.simulation())->redundant_constraints, 4) << start << ", tolerance " << tolerance;
+      for (const char *variable : {"t1", "der(t1)"})
+        EXPECT_NEAR(model[variable], reference[variable], amplification * 10 * tolerance) << variable << ", start " << start;
+    }
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Integrators, Constraints, testing::Values(TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE), nameOf);
 
 // A pin without friction in a bushing that is a little wider: the direction of the gap is a difference of positions, known to rounding over
@@ -359,6 +407,39 @@ end Late;
   EXPECT_NE(std::string(tf_error_text(model.simulation())).find("contradict"), std::string::npos);
   EXPECT_NEAR(model.time(), 0.5, 0.01);
   EXPECT_LE(worst.value, 1e-6);
+}
+
+// Two bars that turn in a tilted plane have parallel axes anyway: the residual is made of rounding errors.
+TEST(RedundantConstraints, ThatVanishButForRoundingHoldNothing) {
+  CompiledModel model(sourceFile("parallel_axes.tf", R"(model TwoBars
+  coordinate Real phi(start = 0.5, der(start = 6)), psi(start = 1.4, der(start = 1));
+  Rotation W = rotation({1, 0, 0}, 0.3), R = W*rotation({0, 0, 1}, phi), S = W*rotation({0, 0, 1}, psi);
+  body b(orientation = R, inertia = identity(3));
+  body c(orientation = S, inertia = identity(3));
+  constraint axis(residual = {(R*{0, 0, 1})*(S*{1, 0, 0}), (R*{0, 0, 1})*(S*{0, 1, 0})});
+end TwoBars;
+)"));
+  model.tolerance(1e-8).run(1);
+  EXPECT_EQ(tf_get_statistics(model.simulation())->redundant_constraints, 2);
+  EXPECT_NEAR(model["phi"], 6.5, 1e-8);
+  EXPECT_NEAR(model["psi"], 2.4, 1e-8);
+}
+
+TEST(ConstrainedStarts, ThatAreFarAwayAreFound) {
+  for (const double nominal : {1e-6, 1.0, 1e3}) {
+    CompiledModel model(sourceFile("far_start.tf", R"(model Far
+  constant Real N = )" + std::to_string(nominal) + R"(;
+  parameter Real L = 30000;
+  coordinate Real p[2](start = {1, 2}, each fixed = false, each nominal = N, der(each fixed = false)), phi(start = 0.1, fixed = false);
+  body b(mass = 1, position = p, angle = phi, inertia = 1);
+  constraint rod(residual = p - L*{cos(phi), sin(phi)});
+  constraint height(residual = p[2] - L/2);
+end Far;
+)"));
+    ASSERT_NO_THROW(model.initialise()) << nominal;
+    EXPECT_NEAR(model["p[2]"], 15000, 1e-6) << nominal;
+    EXPECT_NEAR(std::abs(model["p[1]"]), 15000 * std::sqrt(3.0), 1e-6) << nominal;
+  }
 }
 
 TEST(ConstrainedStarts, ThatContradictEachOtherAreNamed) {

@@ -101,5 +101,44 @@ TEST_P(Order, IsTwiceTheStagesLessOneAcrossSwitches) {
 
 INSTANTIATE_TEST_SUITE_P(Stages, Order, testing::Values(1, 2, 3, 4));
 
+// The equations of a step across the stop of a slip of two components have no solution.
+TEST(FixedSteps, EndWhereASlipOfTwoComponentsStops) {
+  const std::string file = sourceFile("puck.tf", R"(
+model Puck
+  coordinate Real x(der(start = 1)), y(der(start = 0.5));
+  body b(mass = 1, position = {x, y});
+  force f(value = {0.3, 0.4}, at = {x, y});
+  friction fr(slip = {der(x), der(y)}, bound = 2);
+end Puck;
+)");
+  CompiledModel reference(file);
+  reference.tolerance(1e-12).integrator(TF_STEP).run(2);
+  constexpr double errors[] = {5e-2, 1e-5, 1e-7, 1e-9};
+  for (const double step : {0.1, 0.02, 0.003})
+    for (int stages = 1; stages <= 4; ++stages) {
+      CompiledModel model(file);
+      ASSERT_NO_THROW(model.integrator(TF_STEP).stepOptions(stages, step).run(2)) << step << ", " << stages << " stages";
+      ASSERT_EQ(model.count(TF_EVENT_STICK), 1);
+      EXPECT_NEAR(model["x"], reference["x"], errors[stages - 1]) << step << ", " << stages << " stages";
+    }
+}
+
+// A hop that one step of one stage is to cover: its end is below the ground however short it is, until gravity has taken all of the speed.
+TEST(FixedSteps, OfOneStageComeToRest) {
+  CompiledModel model(sourceFile("ball_in_fixed_steps.tf", R"(
+model Ball
+  coordinate Real y(start = 1);
+  body b(mass = 1, position = {0, y});
+  gravity g(acceleration = {0, -9.81});
+  contact floor(gap = y, restitution = 0.5);
+end Ball;
+)"));
+  for (const double step : {0.1, 0.01, 0.001}) {
+    ASSERT_NO_THROW(model.integrator(TF_STEP).stepOptions(1, step).run(3)) << step;
+    EXPECT_NEAR(model["y"], 0, 1e-9) << step;
+    EXPECT_NEAR(model["der(y)"], 0, 1e-9) << step;
+  }
+}
+
 }  // namespace
 }  // namespace tf::test

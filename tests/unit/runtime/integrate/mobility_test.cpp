@@ -33,9 +33,14 @@ Eigen::VectorXd saddlePoint(const System &system) {
   return matrix.completeOrthogonalDecomposition().solve(right);
 }
 
+bool setConstraints(Mobility &mobility, const System &system) {
+  const Eigen::VectorXd shares = Eigen::VectorXd::Ones(system.constraints.rows());
+  return mobility.setConstraints(system.constraints.data(), shares.data());
+}
+
 void load(Mobility &mobility, const System &system) {
   ASSERT_TRUE(mobility.setMass(system.mass.data()));
-  ASSERT_TRUE(mobility.setConstraints(system.constraints.data()));
+  ASSERT_TRUE(setConstraints(mobility, system));
 }
 
 TEST(Mobility, AccelerationsAndMultipliersSolveTheSaddlePointSystem) {
@@ -121,7 +126,74 @@ TEST(Mobility, RefusesRowsThatAreNotFinite) {
   system.constraints(0, 1) = std::numeric_limits<double>::quiet_NaN();
   Mobility mobility(MassMatrix(3), 1);
   ASSERT_TRUE(mobility.setMass(system.mass.data()));
-  EXPECT_FALSE(mobility.setConstraints(system.constraints.data()));
+  EXPECT_FALSE(setConstraints(mobility, system));
+}
+
+// Beside the positions where the third row follows from the others it contradicts them.
+TEST(Mobility, ChosenRowsStandForAllBesideWhereTheyDependOnEachOther) {
+  System system = randomSystem(5, 3);
+  system.constraints.row(2) = system.constraints.row(0) + system.constraints.row(1);
+  system.bias[2] = system.bias[0] + system.bias[1];
+  Mobility mobility(MassMatrix(5), 3);
+  load(mobility, system);
+  EXPECT_EQ(mobility.rank(), 2);
+  EXPECT_FALSE(mobility.chooseIndependent()) << "at the first place";
+  EXPECT_TRUE(mobility.wasRedundant());
+  EXPECT_TRUE(mobility.chooseIndependent()) << "at the second one";
+  Eigen::VectorXd acceleration(5), there(5), multipliers(3);
+  mobility.accelerate(system.force.data(), system.bias.data(), acceleration.data());
+  mobility.multipliers(system.force.data(), system.bias.data(), multipliers.data());
+  const Eigen::VectorXd expected = saddlePoint(system);
+  EXPECT_LT((acceleration - expected.head(5)).norm(), 1e-12);
+  // Of all that make this motion, those whose rows' lengths weigh them make the least sum of squares.
+  Eigen::Vector3d weights(1, 1, -1);
+  for (int k = 0; k < 3; ++k) {
+    const Eigen::VectorXd row = system.constraints.row(k);
+    weights[k] *= row.dot(Eigen::MatrixXd(system.mass).ldlt().solve(row));
+  }
+  EXPECT_NEAR(weights.dot(multipliers), 0, 1e-10);
+  System beside = system;
+  beside.constraints.row(2) += 1e-3 * RowMajor::Random(1, 5);
+  load(mobility, beside);
+  EXPECT_EQ(mobility.rank(), 2);
+  mobility.accelerate(beside.force.data(), beside.bias.data(), there.data());
+  EXPECT_LT((there - acceleration).norm(), 0.1);
+  // Another rank: the rows have become other ones.
+  beside.constraints.row(2) = RowMajor::Random(1, 5);
+  load(mobility, beside);
+  EXPECT_TRUE(mobility.chooseIndependent());
+  EXPECT_EQ(mobility.rank(), 3);
+}
+
+TEST(Mobility, RowsThatDependOnEachOtherAtOnePlaceAllCount) {
+  System system = randomSystem(5, 2), singular = system;
+  singular.constraints.row(1) = 2 * singular.constraints.row(0);
+  Mobility mobility(MassMatrix(5), 2);
+  load(mobility, singular);
+  EXPECT_FALSE(mobility.chooseIndependent());
+  load(mobility, system);
+  EXPECT_FALSE(mobility.chooseIndependent());
+  EXPECT_EQ(mobility.rank(), 2);
+  load(mobility, singular);
+  EXPECT_FALSE(mobility.chooseIndependent());
+  load(mobility, system);
+  EXPECT_EQ(mobility.rank(), 2);
+}
+
+// A row of errors only is none.
+TEST(Mobility, RowsThatHaveVanishedHoldNothing) {
+  System system = randomSystem(4, 2);
+  system.constraints.row(1) *= 1e-11;
+  Mobility mobility(MassMatrix(4), 2);
+  ASSERT_TRUE(mobility.setMass(system.mass.data()));
+  const double shares[] = {1, 1e-11};
+  ASSERT_TRUE(mobility.setConstraints(system.constraints.data(), shares));
+  EXPECT_EQ(mobility.rank(), 1);
+  ASSERT_EQ(mobility.dependentRows().size(), 1U);
+  EXPECT_EQ(mobility.dependentRows()[0].row, 1);
+  // As small as it has always been, it counts.
+  ASSERT_TRUE(setConstraints(mobility, system));
+  EXPECT_EQ(mobility.rank(), 2);
 }
 
 }  // namespace
