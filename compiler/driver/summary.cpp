@@ -35,7 +35,8 @@ void Progress::at(double time) {
 
 namespace {
 
-std::string milliseconds(double seconds) { return fmt::format("{:.3g} ms", 1000 * seconds); }
+// "0.123 ms", "123 ms", "12.3 s"
+std::string duration(double seconds) { return seconds < 1 ? fmt::format("{:.3g} ms", 1000 * seconds) : fmt::format("{:.3g} s", seconds); }
 
 std::string eventCounts(const tf_statistics &statistics) {
   long long count = 0;
@@ -109,9 +110,9 @@ std::string summary(const SummaryInput &input, const ResultRows &rows) {
   std::string text =
       fmt::format("{}: time {} to {}{}, {} steps, {}\n", model.name, number(input.startTime), number(tf_time(input.simulation)),
                   input.isTerminated ? " (ended by the model)" : "", statistics.steps, eventCounts(statistics));
-  text += fmt::format("CPU time {}: compile {} ({}), initialise {}, simulate {}\n",
-                      milliseconds(times.compile + times.initialise + times.simulate), milliseconds(times.compile), input.origin,
-                      milliseconds(times.initialise), milliseconds(times.simulate));
+  text +=
+      fmt::format("CPU time {}: compile {} ({}), initialise {}, simulate {}\n", duration(times.compile + times.initialise + times.simulate),
+                  duration(times.compile), input.origin, duration(times.initialise), duration(times.simulate));
   if (input.isVerbose)
     text += eventList(rows, model) + integrators(statistics, rows.notes()) + work(statistics, model.nc > 0);
   return text;

@@ -1,6 +1,8 @@
 // Equation, algorithm and constraint sections (MLS A.2.6; language reference, chapter 5).
 #include "lang/syntax/parser_core.h"
 
+#include <fmt/format.h>
+
 namespace tf::syntax {
 
 namespace {
@@ -57,9 +59,15 @@ ast::Section Parser::parseStraySection() {
     ++ahead;
   const bool isStatement = enclosing_ == ast::Restriction::Function || enclosing_ == ast::Restriction::OperatorFunction ||
                            peek(ahead).kind == TokenKind::Assign || at(TokenKind::While);
-  if (!std::exchange(equationReported_, true))
-    complain(EquationOutsideSection, cover(span(current()), span(peek(ahead > 0 ? ahead - 1 : 0))),
-             isStatement ? "a statement" : "an equation", isStatement ? "algorithm" : "equation");
+  if (!std::exchange(equationReported_, true)) {
+    const Span what = cover(span(current()), span(peek(ahead > 0 ? ahead - 1 : 0)));
+    auto &diagnostic =
+        complain(EquationOutsideSection, what, isStatement ? "a statement" : "an equation", isStatement ? "algorithm" : "equation");
+    // gravity(acceleration = …)
+    if (ahead > 0 && peek(ahead).kind == TokenKind::LeftParenthesis && peek(ahead + 1).kind == TokenKind::Identifier &&
+        peek(ahead + 2).kind == TokenKind::Equal)
+      diagnostic.note(what, fmt::format("a component has a name of its own: '{} name(...)'", text(peek(ahead - 1))));
+  }
   if (isStatement) {
     section.kind = SectionKind::Algorithm;
     auto statements = list<ast::Statement *>();

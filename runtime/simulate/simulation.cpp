@@ -110,6 +110,12 @@ tf_status Simulation::Implementation::checkRedundancy() {
   return TF_OK;
 }
 
+// At the start and where rows may have become other ones, after the choice of the mode.
+tf_status Simulation::Implementation::startConstraints() {
+  at_.mobility.chooseIndependent();
+  return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
+}
+
 // At the end of the integrator's step, before its samples are taken: no contradictions, no singular position.
 tf_status Simulation::Implementation::checkConstraints() {
   if (model_.nh == 0)
@@ -278,8 +284,7 @@ tf_status Simulation::Implementation::settleStart() {
       return status;
   if (impact || std::any_of(transitions.begin(), transitions.end(), [](const Transition &t) { return t.kind == TF_EVENT_PAINLEVE; }))
     report(transitions);
-  at_.mobility.chooseIndependent();
-  return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
+  return startConstraints();
 }
 
 // A gap that opens at the start takes a longer time to close than starts are apart, of the order of its root: there is no derivative.

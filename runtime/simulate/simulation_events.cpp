@@ -173,7 +173,8 @@ tf_status Simulation::Implementation::timeEvent() {
   at_.mobility.keepAll();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
-  at_.mobility.chooseIndependent();
+  if (const tf_status status = startConstraints(); status != TF_OK)
+    return status;
   openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
   if (const tf_status status = endSwitch(-1); status != TF_OK)
     return status;
@@ -251,6 +252,10 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
     return approach(event, limit);
   if (location == EventDetection::Location::Vanished)
     return endStep(event.time - integrators_.current().beginTime(), limit);
+  // What switches with the velocity of a body that stops has the value at rest, if it can stay there.
+  if (dynamics_.guards()[event.guard].kind == GuardKind::Condition)
+    if (const int slip = slipThatStops(); slip >= 0)
+      event.guard = slip;
   const Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
   if (stops)
@@ -429,8 +434,8 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
   }
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
     return status;
-  if (switches)
-    at_.mobility.chooseIndependent();
+  if (const tf_status status = switches ? startConstraints() : TF_OK; status != TF_OK)
+    return status;
   if (const tf_status status = switches ? endSwitch(guard.index) : TF_OK; status != TF_OK)
     return status;
   if (stopped >= 0 && mode_.tangent[stopped] == Tangent::SlipPositive)

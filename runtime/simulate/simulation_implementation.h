@@ -127,6 +127,7 @@ private:
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();
+  tf_status startConstraints();
   tf_status checkConstraints();
   void enterSegment();
   bool skipTo(double limit);
@@ -194,6 +195,7 @@ private:
   tf_status differentiateStop();
   double stopTolerance();
   bool locateStop(DetectedEvent &event);
+  int slipThatStops();
   double turnsBefore(const DetectedEvent &event);
   void aimDirections(const DetectedEvent &event, double part);
   double lingeringSpeed();

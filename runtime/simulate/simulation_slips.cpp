@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace tf::runtime {
 
@@ -63,6 +64,25 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
   std::copy_n(interpolated_.begin(), n_, integrator.end());
   integrator.moveEnd(event.time);
   return dynamics_.evaluate(event.time, integrator.end(), integrator.endRate());
+}
+
+// The guard of a slip of one component that has fallen to zero at the end of the integrator's step; −1: none.
+int Simulation::Implementation::slipThatStops() {
+  SmoothIntegrator &integrator = integrators_.current();
+  const auto count = static_cast<int>(dynamics_.guards().size());
+  bool isEvaluated = false;
+  for (int guard = 0; guard < count; ++guard) {
+    const Guard &g = dynamics_.guards()[guard];
+    if (g.kind != GuardKind::Slip)
+      continue;
+    if (!isEvaluated && !dynamics_.evaluate(integrator.endTime(), integrator.end(), interpolated_.data()))
+      return -1;
+    if (!std::exchange(isEvaluated, true))
+      at_.switching(ModelEvaluation::Slips);
+    if (std::abs(at_.slip[g.index]) <= selection_.stillSlip(g.index, integrator.end()) && dynamics_.slipRate(guard) < 0)
+      return guard;
+  }
+  return -1;
 }
 
 // How much less friction along the slip takes from it until the event where it has the direction of the step's begin: of the slip there as

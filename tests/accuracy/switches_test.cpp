@@ -233,5 +233,47 @@ end LateStop;
       }
 }
 
+// A relation of the velocity switches where the slip stops: there it has the value at rest, which friction can hold. x'' = 12 + x.
+TEST(SwitchesOfVelocity, AreThoseAtRestWhereASlipStops) {
+  const std::string file = sourceFile("drive_by_sign.tf", R"(
+model DriveBySign
+  parameter Real v0, k = 0.1, forwards = 30, backwards = -3;
+  coordinate Real x(der(start = v0)), y;
+  body b(mass = 0.5, position = {x, y});
+  gravity g(acceleration = {0, -10});
+  contact floor(gap = y, slip = der(x), friction = 1.8 + k*x);
+  force drive(value = if der(x) > 0 then forwards else backwards, at = x);
+end DriveBySign;
+)");
+  for (const double speed : {0.313, 0.77, 1.3, 2.0})
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10})
+      withEachIntegrator(file, tolerance, 1,
+                         [&](CompiledModel &model) {
+                           EXPECT_NEAR(model["x"], std::sqrt(144 - speed * speed) - 12, 10 * tolerance)
+                               << speed << ", tolerance " << tolerance;
+                           EXPECT_EQ(model["der(x)"], 0) << speed << ", tolerance " << tolerance;
+                         },
+                         {{"v0", -speed}});
+}
+
+// What friction cannot hold turns back: by 58 m/s² until then, by 32 m/s² afterwards.
+TEST(SwitchesOfVelocity, TurnWithASlipThatCannotStop) {
+  const std::string file = sourceFile("drive_that_turns.tf", R"(
+model DriveThatTurns
+  coordinate Real x(der(start = -2)), y;
+  body b(mass = 0.5, position = {x, y});
+  gravity g(acceleration = {0, -10});
+  contact floor(gap = y, slip = der(x), friction = 1.8);
+  force drive(value = if der(x) > 0 then 25 else 20, at = x);
+end DriveThatTurns;
+)");
+  const double stop = 2.0 / 58;
+  for (const double tolerance : {1e-4, 1e-7, 1e-10})
+    withEachIntegrator(file, tolerance, 1, [&](CompiledModel &model) {
+      EXPECT_NEAR(model["x"], 16 * (1 - stop) * (1 - stop) - stop, 100 * tolerance) << tolerance;
+      EXPECT_NEAR(model["der(x)"], 32 * (1 - stop), 100 * tolerance) << tolerance;
+    });
+}
+
 }  // namespace
 }  // namespace tf::test
