@@ -41,7 +41,10 @@ public:
   // that touch them; the error of the row's own velocities does not exceed their sum (`most` 1).
   [[nodiscard]] double gapRate(int contact, const double *v, double most = several) const { return speed(contact, v, most); }
   [[nodiscard]] double slip(int row, const double *v, double most = several) const { return speed(model_->nc + row, v, most); }
-  // The same of a constraint's row and its rate.
+  // What the nominal magnitude of one coordinate moves a gap, or a tangential row, by at most.
+  [[nodiscard]] double normalLength(int contact) const { return rows_[contact].length; }
+  [[nodiscard]] double tangentLength(int row) const { return rows_[model_->nc + row].length; }
+  // Of a constraint's row and its rate.
   [[nodiscard]] double residual(int row) const { return rows_[model_->nc + model_->nt + row].length; }
   // How far the nominal magnitude of one coordinate moves the constraint's row with these entries [nv] at most, relative to that scale.
   [[nodiscard]] double share(int row, const double *entries) const;

@@ -7,7 +7,7 @@
 namespace tf::runtime {
 
 Projection::Projection(ModelEvaluation &evaluation, const RowSystem &rows, const ContactProblem &problem, std::function<void()> complete)
-    : at_(evaluation), rows_(rows), problem_(problem), complete_(std::move(complete)), change_(evaluation.model().nv),
+    : at_(evaluation), rows_(rows), problem_(problem), complete_(std::move(complete)), change_(evaluation.model().nv), motion_(change_),
       constraintChange_(evaluation.model().nh), before_(evaluation.stateSize()) {}
 
 void Projection::resize() {
@@ -15,7 +15,7 @@ void Projection::resize() {
   impulse_.assign(rows_.count(), 0.0);
   residual_ = impulse_;
   factored_.clear();
-  chosen_.reserve(rows_.count());
+  chosen_.clear();
 }
 
 bool Projection::isNeeded() const { return rows_.count() > 0 || at_.model().nh > 0 || at_.model().nr > 0; }
@@ -40,23 +40,38 @@ void Projection::factorise(double dependence) {
   factor_.factor(dependence);
 }
 
-// The square of the correction, in the metric of the mass matrix, relative to the largest one that a row alone asks for.
-double Projection::squaredAmplification() const {
-  double square = 0, largest = 0;
-  for (std::size_t k = 0; k < chosen_.size(); ++k) {
-    const double residual = residual_[chosen_[k]], diagonal = problem_.delassus(chosen_[k], chosen_[k]);
-    square += solution_[k] * residual;
-    if (diagonal > 0)
-      largest = std::max(largest, residual * residual / diagonal);
+// motion_, relative to the largest one that a row alone asks for, both in units of the nominal magnitudes: how far bodies move, whatever
+// their masses are.
+double Projection::amplification() const {
+  double moved = 0, asked = 0;
+  for (std::size_t k = 0; k < motion_.size(); ++k)
+    moved = std::max(moved, std::abs(motion_[k]) / at_.scales.lengths()[k]);
+  const int normals = rows_.normalCount();
+  for (const int row : chosen_) {
+    const double length =
+        row < normals ? at_.scales.normalLength(rows_.contacts()[row]) : at_.scales.tangentLength(rows_.tangents()[row - normals]);
+    asked = std::max(asked, std::abs(residual_[row]) / length);
   }
-  return largest > 0 ? square / largest : 0;
+  return asked > 0 ? moved / asked : 0;
+}
+
+// Motion of the chosen rows' solution, into motion_.
+void Projection::solveChosen() {
+  for (std::size_t k = 0; k < chosen_.size(); ++k)
+    solution_[k] = residual_[chosen_[k]];
+  factor_.solve(solution_.data(), solution_.data());
+  std::fill(impulse_.begin(), impulse_.end(), 0.0);
+  for (std::size_t k = 0; k < chosen_.size(); ++k)
+    impulse_[chosen_[k]] = solution_[k];
+  std::fill(motion_.begin(), motion_.end(), 0.0);
+  rows_.accelerate(impulse_.data(), motion_.data());
 }
 
 // Where D is singular any solution makes the same motion: residuals are consistent but for rounding, which no motion of redundant rows can
 // remove. Rows that nearly depend on others (spheres in a regular packing, with walls) may have residuals that contradict these by more
 // than that: to remove them too would take a motion far larger than the residuals.
 void Projection::correctWithDelassus(double *target) {
-  constexpr double dependence = 1e-11, largestAmplification = 1e3;
+  constexpr double dependence = 1e-11, nearDependence = 1e-6, largestAmplification = 1e3;
   const int rows = rows_.count();
   if (factored_ != corrected_) {
     factored_ = corrected_;
@@ -69,21 +84,14 @@ void Projection::correctWithDelassus(double *target) {
     factorise(dependence);
     solution_.resize(chosen_.size());
   }
-  const auto solve = [this] {
-    for (std::size_t k = 0; k < chosen_.size(); ++k)
-      solution_[k] = residual_[chosen_[k]];
-    factor_.solve(solution_.data(), solution_.data());
-  };
-  solve();
-  if (squaredAmplification() > largestAmplification * largestAmplification) {
-    factorise(1 / (largestAmplification * largestAmplification));
+  solveChosen();
+  if (amplification() > largestAmplification) {
+    factorise(nearDependence);
     factored_.clear();
-    solve();
+    solveChosen();
   }
-  std::fill(impulse_.begin(), impulse_.end(), 0.0);
-  for (std::size_t k = 0; k < chosen_.size(); ++k)
-    impulse_[chosen_[k]] = solution_[k];
-  rows_.accelerate(impulse_.data(), target);
+  for (std::size_t k = 0; k < motion_.size(); ++k)
+    target[k] += motion_[k];
 }
 
 // Change of a row's gap or velocity by what the constraints have changed.

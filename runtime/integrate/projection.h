@@ -40,7 +40,8 @@ public:
 private:
   void correct(double *target);
   void factorise(double dependence);
-  [[nodiscard]] double squaredAmplification() const;
+  [[nodiscard]] double amplification() const;
+  void solveChosen();
   void correctWithDelassus(double *target);
   [[nodiscard]] double changeAlong(int row) const;
   double coordinateResiduals();
@@ -58,7 +59,7 @@ private:
   SemidefiniteFactor factor_;                       // D of the chosen rows
   std::vector<double> solution_;                    // for each of them
   std::vector<double> impulse_, residual_;          // for each row
-  std::vector<double> change_, constraintChange_, before_;
+  std::vector<double> change_, motion_, constraintChange_, before_;
 };
 
 }  // namespace tf::runtime

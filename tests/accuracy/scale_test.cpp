@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <fmt/format.h>
 #include <fstream>
 #include <gtest/gtest.h>
 #include <sstream>
@@ -313,6 +314,41 @@ TEST(Scale, OfMassesChangesNothing) {
       model.advance(opening);
       EXPECT_NEAR(model["p[2]"], 1.6 / 3, 1e-7) << at;
     }
+}
+
+// The light box could be moved far by what lifts the heavy one by rounding: neither of them moves at all, while a pendulum swings beside
+// them.
+TEST(Scale, OfTheMassesOfBoxesOnEachOtherMovesNoneOfThem) {
+  const std::string file = sourceFile("heavy_on_light.tf", R"(
+model HeavyOnLight
+  parameter Real w = 0.2, h = 0.1, light = 1e-3, heavy = 1;
+  parameter Real mass[2] = {light, heavy};
+  coordinate Real r[2, 2](start = {{0, h/2}, {0.01, 1.5*h}}), phi[2];
+  coordinate Real angle(start = 1);
+  body box[2](mass = mass, position = r, angle = phi, inertia = mass*(w^2 + h^2)/12);
+  body bob(mass = 1, position = {5 + sin(angle), 1 - cos(angle)});
+  gravity g(acceleration = {0, -9.81});
+  Real foot[2, 2, 2] = {{r[i, :] + {s*w/2*cos(phi[i]) + h/2*sin(phi[i]), s*w/2*sin(phi[i]) - h/2*cos(phi[i])} for s in {-1, 1}} for i in 1:2};
+  Real onTop[2, 2] = {{cos(phi[1])*(foot[2, j, 1] - r[1, 1]) + sin(phi[1])*(foot[2, j, 2] - r[1, 2]),
+    -sin(phi[1])*(foot[2, j, 1] - r[1, 1]) + cos(phi[1])*(foot[2, j, 2] - r[1, 2])} for j in 1:2};
+  contact floor[2](gap = foot[1, :, 2], slip = der(foot[1, :, 1]), each friction = 0.4);
+  contact lid[2](gap = {onTop[j, 2] - h/2 for j in 1:2}, slip = der(onTop[:, 1]), each friction = 0.4);
+  force push(value = {if time > 0.1 then 0.1*light else 0, 0}, at = r[2, :]);
+end HeavyOnLight;
+)");
+  constexpr double rounding = 1e-15;
+  for (const double ratio : {1e4, 1e6, 1e7})
+    for (const double tolerance : {1e-4, 1e-7})
+      for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_CVODE}) {
+        SCOPED_TRACE(fmt::format("ratio {}, tolerance {}, integrator {}", ratio, tolerance, static_cast<int>(integrator)));
+        CompiledModel model(file, {{"heavy", 1e-3 * ratio}});
+        ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+        ASSERT_NO_THROW(model.tolerance(tolerance).integrator(integrator).run(0.3));
+        EXPECT_EQ(model.events().size(), 1U);
+        EXPECT_GE(tf_get_statistics(model.simulation())->worst_gap, -1e-12);
+        for (const char *coordinate : {"r[1,1]", "r[2,1]", "phi[1]", "phi[2]"})
+          EXPECT_NEAR(model[coordinate], std::string(coordinate) == "r[2,1]" ? 0.01 : 0, rounding * ratio) << coordinate;
+      }
 }
 
 }  // namespace
