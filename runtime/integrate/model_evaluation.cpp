@@ -251,7 +251,7 @@ void ModelEvaluation::measureScales(double time, const double *state) {
 
 // H where the coordinates are displaced by so little that its rows are the same but for rounding.
 std::vector<double> ModelEvaluation::rowsNearby(double time, const double *state) {
-  constexpr double little = 1e-6;
+  constexpr double little = 1e-9;
   if (model_->nh == 0)
     return {};
   std::vector<double> nearby(state, state + stateSize()), way = scales.lengths();
