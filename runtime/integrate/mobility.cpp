@@ -96,19 +96,32 @@ Mobility::Pivots Mobility::pivots() const {
 // A pivot of the row, as a part of the row's length elsewhere.
 double Mobility::independentLength(int row, double pivot) const { return pivot / reduction_[row] * shares_[row]; }
 
-bool Mobility::chooseIndependent() {
+std::optional<Mobility::WeakRow> Mobility::weakestRow() const {
+  if (rank_ < nh_ && !isReduced_)
+    return std::nullopt;
+  WeakRow weakest{-1, std::numeric_limits<double>::infinity()};
+  for (int j = 0; j < rank_; ++j) {
+    const int row = isReduced_ ? kept_[static_cast<std::size_t>(j)] : j;
+    if (const double part = independentLength(row, factor_.matrixLLT()(j, j)); part < weakest.part)
+      weakest = {row, part};
+  }
+  return weakest;
+}
+
+bool Mobility::chooseIndependent(bool isElsewhere) {
   constexpr double clearlyLess = 0.3;
-  if (rank_ == nh_ && deficiency_ == 0)
+  if ((rank_ == nh_ && deficiency_ == 0) || (!isElsewhere && kept_.empty()))
     return false;
   Pivots best = pivots();
-  const int before = std::exchange(deficiency_, nh_ - static_cast<int>(best.rows.size()));
-  if (before == 0 || deficiency_ == 0)
+  const int now = nh_ - static_cast<int>(best.rows.size()), before = isElsewhere ? std::exchange(deficiency_, now) : deficiency_;
+  // More of them here than before depend on each other, perhaps here only.
+  if (before > 0 && now > before)
+    return false;
+  deficiency_ = now;
+  if (before == 0 || now == 0)
     best.rows.clear();
-  double least = std::numeric_limits<double>::infinity();
-  for (std::size_t j = 0; isReduced_ && j < kept_.size(); ++j)
-    least = std::min(least, independentLength(kept_[j], factor_.matrixLLT()(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(j))));
   // Rows that are about as independent stay.
-  if (best.rows == kept_ || (isReduced_ && best.rows.size() == kept_.size() && least > clearlyLess * best.least))
+  if (best.rows == kept_ || (isReduced_ && best.rows.size() == kept_.size() && weakestRow()->part > clearlyLess * best.least))
     return false;
   kept_ = std::move(best.rows);
   factorise();

@@ -9,6 +9,7 @@
 
 #include <Eigen/Dense>
 
+#include <optional>
 #include <vector>
 
 namespace tf::runtime {
@@ -30,8 +31,11 @@ public:
   // (ContactScales::share), as of one that vanishes at a position and is made of errors near it. False if H is not finite.
   bool setConstraints(const double *jacobian, const double *shares);
   // From now on the point's independent rows stand for all, if there are fewer than all here and at the last such point, where the
-  // constraints held too: rows may depend on each other at one place of the motion only. True if that changes the rows that do.
-  bool chooseIndependent();
+  // constraints held too: rows may depend on each other at one place of the motion only. Where the motion has not gone on from that place
+  // (`isElsewhere` false) no further rows are left out. True if the rows that stand for all are other ones now.
+  bool chooseIndependent(bool isElsewhere);
+  // The row has no part in anything: it is far shorter than elsewhere.
+  [[nodiscard]] bool hasVanished(int row) const { return scale_[row] == 0; }
   // Rows depended on others at the last point of chooseIndependent.
   [[nodiscard]] bool wasRedundant() const { return deficiency_ > 0; }
   // All rows count again, as where they have become other ones.
@@ -53,8 +57,13 @@ public:
   void constrain(const double *b, double *z, double *scaled) const;
   // Number of independent constraint rows.
   [[nodiscard]] int rank() const { return rank_; }
-  // The part of a row's length, in the metric of M⁻¹, that is independent of the rows before it, where all are independent.
-  [[nodiscard]] double independentPart(int row) const { return factor_.matrixLLT()(row, row) / reduction_[row]; }
+  // The row that is the least independent of those before it, of all or of the rows that stand for all, and its part that is independent of
+  // them, relative to its length elsewhere; none where fewer are independent.
+  struct WeakRow {
+    int row;
+    double part;
+  };
+  [[nodiscard]] std::optional<WeakRow> weakestRow() const;
   // The rows that add nothing to those before them: the same ones wherever the same rows depend on each other.
   [[nodiscard]] std::vector<DependentRow> dependentRows() const;
 

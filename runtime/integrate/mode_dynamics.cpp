@@ -172,7 +172,8 @@ bool ModeDynamics::leavesNoVelocity() {
   std::vector<const double *> &held = heldRows_;
   held.clear();
   for (int row = 0; row < model.nh; ++row)
-    held.push_back(at_.constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model.nv);
+    if (!at_.mobility.hasVanished(row))
+      held.push_back(at_.constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model.nv);
   for (int i = 0; i < rows_.count(); ++i)
     if (i < rows_.normalCount() || contactMode_.slip[i - rows_.normalCount()] == 0)
       held.push_back(rows_.jacobian(i));

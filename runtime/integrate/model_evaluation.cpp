@@ -263,9 +263,12 @@ std::vector<double> ModelEvaluation::rowsNearby(double time, const double *state
   return constraintJacobian;
 }
 
-// Rows of H that are others nearby vanish, but for rounding errors.
+// Rows of H that are others nearby, or far smaller than the largest one, vanish, but for rounding errors.
 void ModelEvaluation::clearRounding(const std::vector<double> &nearby) {
-  constexpr double others = 0.1;
+  constexpr double others = 0.1, farSmaller = 1e-13;
+  double largest = 0;
+  for (const double entry : constraintJacobian)
+    largest = std::max(largest, std::abs(entry));
   for (int row = 0; row < model_->nh; ++row) {
     double *entries = constraintJacobian.data() + static_cast<std::ptrdiff_t>(row) * model_->nv;
     const double *other = nearby.data() + static_cast<std::ptrdiff_t>(row) * model_->nv;
@@ -274,7 +277,7 @@ void ModelEvaluation::clearRounding(const std::vector<double> &nearby) {
       size = std::max({size, std::abs(entries[k]), std::abs(other[k])});
       difference = std::max(difference, std::abs(entries[k] - other[k]));
     }
-    if (difference > others * size)
+    if (difference > others * size || size < farSmaller * largest)
       std::fill_n(entries, model_->nv, 0.0);
   }
 }

@@ -63,7 +63,7 @@ void ConstrainedStart::leastChange(const std::vector<double> &residual, const st
 }
 
 void ConstrainedStart::solveCoordinates(double *state) {
-  constexpr int mostIterations = 100, cautious = 50;
+  constexpr int mostIterations = 150, cautious = 100;
   double previous = std::numeric_limits<double>::infinity();
   for (int iteration = 0; iteration < mostIterations; ++iteration) {
     at_.constraintResiduals();
@@ -75,14 +75,11 @@ void ConstrainedStart::solveCoordinates(double *state) {
     if (size == 0 || !std::isfinite(size) || (size < 1e-12 && size >= previous))
       return;
     previous = size;
-    // Far from the constraints full steps may go astray: at most a radian, or what is nominal, at a time. Those that are still on their way
-    // after many have far to go.
-    double relative = 0;
-    for (int v = 0; v < at_.model().nv; ++v)
-      relative = std::max(relative, std::abs(change_[v]) / at_.scales.lengths()[v]);
-    if (const double most = std::ldexp(1.0, std::max(0, iteration - cautious)); relative > most)
+    // Far from the constraints full steps may go astray: at most a radian, or a unit, at a time. Those that are still on their way after
+    // many have far to go.
+    if (const double most = std::ldexp(1.0, std::max(0, iteration - cautious)); size > most)
       for (double &change : change_)
-        change *= most / relative;
+        change *= most / size;
     at_.moveCoordinates(state, change_.data());
   }
 }
@@ -142,8 +139,12 @@ std::string ConstrainedStart::solve(double time, double *state) {
   if (at_.model().nh == 0)
     return {};
   at_.setPoint(time, state);
-  if (!freeCoordinates_.empty())
+  if (!freeCoordinates_.empty()) {
     solveCoordinates(state);
+    // What residuals are compared with may be another magnitude there.
+    at_.measureScales(time, state);
+    at_.setPoint(time, state);
+  }
   at_.constraintResiduals();
   if (std::string text = violation(false); !text.empty())
     return text;

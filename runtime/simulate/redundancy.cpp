@@ -87,23 +87,17 @@ std::string Redundancy::contradiction(double tolerance) {
 // motion depends by 1/s again.
 std::string Redundancy::singularity(double tolerance) const {
   constexpr double harmless = 100;
-  if (isPresent())
+  const auto weakest = at_.mobility.weakestRow();
+  if (!weakest || std::numeric_limits<double>::epsilon() <= harmless * tolerance * weakest->part * weakest->part)
     return {};
-  const tf_model &model = at_.model();
-  double weakest = 1;
-  int found = -1;
-  for (int row = 0; row < model.nh; ++row) {
-    const double share = at_.mobility.independentPart(row) * at_.scales.share(row, &at_.constraintJacobian[row * model.nv]);
-    if (share < weakest) {
-      weakest = share;
-      found = row;
-    }
-  }
-  if (found < 0 || std::numeric_limits<double>::epsilon() <= harmless * tolerance * weakest * weakest)
-    return {};
+  return undecided(tolerance);
+}
+
+std::string Redundancy::undecided(double tolerance) const {
+  const int row = at_.mobility.weakestRow() ? at_.mobility.weakestRow()->row : 0;
   return fmt::format(
-      "at a singular position of constraint {} {} tolerance {:.3g} cannot be met: rounding decides how the mechanism goes on",
-      nameOf(found), sourceOf(constraintOf(found).location), tolerance);
+      "at a singular position of constraint {} {} tolerance {:.3g} cannot be met: rounding decides how the mechanism goes on", nameOf(row),
+      sourceOf(constraintOf(row).location), tolerance);
 }
 
 }  // namespace tf::runtime

@@ -27,6 +27,8 @@ public:
   // little, measured by what they are around the start, that rounding of the residuals turns the velocities by far more than `tolerance`:
   // it would decide on which branch the mechanism goes on.
   [[nodiscard]] std::string singularity(double tolerance) const;
+  // The same text, of the row that is the least independent.
+  [[nodiscard]] std::string undecided(double tolerance) const;
   // The most rows that have followed from others at once.
   [[nodiscard]] int most() const { return most_; }
 

@@ -112,7 +112,8 @@ tf_status Simulation::Implementation::checkRedundancy() {
 
 // At the start and where rows may have become other ones, after the choice of the mode.
 tf_status Simulation::Implementation::startConstraints() {
-  at_.mobility.chooseIndependent();
+  at_.mobility.chooseIndependent(true);
+  choicePoint_.assign(state_.begin(), state_.begin() + model_.nq);
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 
@@ -121,16 +122,29 @@ tf_status Simulation::Implementation::checkConstraints() {
   if (model_.nh == 0)
     return TF_OK;
   SmoothIntegrator &integrator = integrators_.current();
-  if (const std::string text = redundancy_.singularity(owner_.options.tolerance); !text.empty())
-    return failAt(text);
-  if (!redundancy_.isPresent() && !at_.mobility.wasRedundant())
-    return TF_OK;
-  if (!dynamics_.evaluate(integrator.endTime(), integrator.end(), rate_.data()))
-    return TF_OK;
-  if (at_.mobility.chooseIndependent() && !dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
-    return failEvaluation();
-  const std::string text = redundancy_.contradiction(owner_.options.tolerance);
-  return text.empty() ? TF_OK : fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
+  const bool isRedundant = redundancy_.isPresent() || at_.mobility.wasRedundant();
+  if (isRedundant && dynamics_.evaluate(integrator.endTime(), integrator.end(), rate_.data())) {
+    constexpr double elsewhere = 1e-5;  // of the nominal magnitude of a coordinate
+    double way = 0;
+    for (int k = 0; k < model_.nq; ++k)
+      way = std::max(way, std::abs(integrator.end()[k] - choicePoint_[k]) / integrator.settings().scale[k]);
+    const bool isElsewhere = way > elsewhere;
+    if (isElsewhere)
+      choicePoint_.assign(integrator.end(), integrator.end() + model_.nq);
+    const int rank = at_.mobility.rank();
+    if (at_.mobility.chooseIndependent(isElsewhere)) {
+      if (!dynamics_.evaluate(integrator.endTime(), integrator.end(), integrator.endRate()))
+        return failEvaluation();
+      // Rows that have been left out, as they followed from others for a while, have not been held.
+      if (const double *scale = integrator.settings().scale.data();
+          at_.mobility.rank() > rank && dynamics_.project(integrator.endTime(), integrator.end(), scale) > 100 * owner_.options.tolerance)
+        return failAt(redundancy_.undecided(owner_.options.tolerance));
+    }
+    if (const std::string text = redundancy_.contradiction(owner_.options.tolerance); !text.empty())
+      return fail(fmt::format("{} at t = {:.10g}", text, integrator.endTime()));
+  }
+  const std::string text = redundancy_.singularity(owner_.options.tolerance);
+  return text.empty() ? TF_OK : failAt(text);
 }
 
 void Simulation::Implementation::enterSegment() {

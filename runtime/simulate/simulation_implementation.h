@@ -86,6 +86,7 @@ public:
   bool hasStopMoved_ = false;                     // the latest differentiateStop has changed a derivative of a state
   bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
   Redundancy redundancy_;
+  std::vector<double> choicePoint_;  // nq: where independent constraints were chosen, or might have been
   EnergyJump energyJump_;
   double openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();  // when one has begun that has not ended: it has failed
   // workspaces

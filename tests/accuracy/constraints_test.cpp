@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stdexcept>
@@ -154,54 +155,62 @@ std::string nameOf(const testing::TestParamInfo<tf_integrator> &integrator) {
   return names[integrator.param];
 }
 
-// Flat, it could go on as a parallelogram or as an antiparallelogram. Where steps end so near that rounding would choose, the run ends.
+// Flat, it could go on as a parallelogram or as an antiparallelogram. Where steps end so near that rounding would choose, the run ends. Of
+// three cranks one is redundant everywhere but there.
 TEST_P(Constraints, AParallelogramPassesItsFlatPositionOrStopsThere) {
-  CompiledModel linkage(sourceFile("parallelogram.tf", R"(model Parallelogram
+  for (const int cranks : {2, 3}) {
+    CompiledModel linkage(sourceFile(fmt::format("parallelogram_{}.tf", cranks), fmt::format(R"(model Parallelogram
+  constant Integer n = {};
   parameter Real l = 0.4, d = 0.5, start = 0.3;
-  coordinate Real a[2](each start = start, der(each start = -1));
+  parameter Real s[n] = {{(i - 1)/(n - 1) for i in 1:n}};
+  coordinate Real a[n](each start = start, der(each start = -1));
   coordinate Real th(fixed = false, der(fixed = false));
-  body crank[2](each mass = 1, position = {{l/2*cos(a[i]), l/2*sin(a[i])} for i in 1:2}, angle = a, each inertia = 0.01);
-  body beam(mass = 3, position = {l*cos(a[1]) + d/2*cos(th), l*sin(a[1]) + d/2*sin(th)}, angle = th, inertia = 0.3);
-  gravity weight(acceleration = {0, -9.81});
-  constraint joint(residual = {l*cos(a[1]) + d*cos(th) - d - l*cos(a[2]), l*sin(a[1]) + d*sin(th) - l*sin(a[2])});
+  body crank[n](each mass = 1, position = {{{{l/2*cos(a[i]), l/2*sin(a[i])}} for i in 1:n}}, angle = a, each inertia = 0.01);
+  body beam(mass = 3, position = {{l*cos(a[1]) + d/2*cos(th), l*sin(a[1]) + d/2*sin(th)}}, angle = th, inertia = 0.3);
+  gravity weight(acceleration = {{0, -9.81}});
+  constraint joint[n - 1](residual =
+    {{{{l*cos(a[1]) + s[i]*d*cos(th) - s[i]*d - l*cos(a[i]), l*sin(a[1]) + s[i]*d*sin(th) - l*sin(a[i])}} for i in 2:n}});
 end Parallelogram;
-)"));
-  CompiledModel crank(sourceFile("parallel_crank.tf", R"(model Crank
-  parameter Real l = 0.4, start = 0.3;
+)",
+                                                                                             cranks)));
+    CompiledModel crank(sourceFile("parallel_crank.tf", R"(model Crank
+  parameter Real l = 0.4, start = 0.3, n = 2;
   coordinate Real a(start = start, der(start = -1));
-  body cranks(mass = 2, position = {l/2*cos(a), l/2*sin(a)}, angle = a, inertia = 0.02);
+  body cranks(mass = n, position = {l/2*cos(a), l/2*sin(a)}, angle = a, inertia = n*0.01);
   body beam(mass = 3, position = {l*cos(a), l*sin(a)});
   gravity weight(acceleration = {0, -9.81});
 end Crank;
-)"));
-  int passed = 0, stopped = 0;
-  for (const double start : {0.2, 0.3, 0.41}) {
-    ASSERT_EQ(tf_set(crank.simulation(), "start", start), TF_OK);
-    crank.tolerance(1e-12).run(0.6);
-    for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
-      SCOPED_TRACE(testing::Message() << start << ", " << tolerance);
-      ASSERT_EQ(tf_set(linkage.simulation(), "start", start), TF_OK);
-      linkage.tolerance(tolerance).integrator(GetParam());
-      try {
-        linkage.run(0.6);
-      } catch (const std::exception &error) {
-        const std::string text = error.what();
-        EXPECT_LT(tolerance, 1e-6) << text;
-        // CVODE's steps come to rounding before.
-        if (GetParam() != TF_CVODE) {
-          EXPECT_NE(text.find("at a singular position of constraint 'joint["), std::string::npos) << text;
+)"),
+                        {{"n", cranks}});
+    int passed = 0, stopped = 0;
+    for (const double start : {0.2, 0.3, 0.41}) {
+      ASSERT_EQ(tf_set(crank.simulation(), "start", start), TF_OK);
+      crank.tolerance(1e-12).run(0.6);
+      for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12}) {
+        SCOPED_TRACE(testing::Message() << cranks << " cranks, " << start << ", " << tolerance);
+        ASSERT_EQ(tf_set(linkage.simulation(), "start", start), TF_OK);
+        linkage.tolerance(tolerance).integrator(GetParam());
+        try {
+          linkage.run(0.6);
+        } catch (const std::exception &error) {
+          const std::string text = error.what();
+          EXPECT_LT(tolerance, 1e-6) << text;
+          // CVODE's steps come to rounding before.
+          if (GetParam() != TF_CVODE) {
+            EXPECT_NE(text.find("at a singular position of constraint 'joint["), std::string::npos) << text;
+          }
+          ++stopped;
+          continue;
         }
-        ++stopped;
-        continue;
+        ++passed;
+        for (const char *angle : {"a[1]", "a[2]"})
+          EXPECT_NEAR(linkage[angle], crank["a"], 100 * tolerance + 1e-9);
+        EXPECT_NEAR(linkage["th"], 0, 1e-9);
       }
-      ++passed;
-      for (const char *angle : {"a[1]", "a[2]"})
-        EXPECT_NEAR(linkage[angle], crank["a"], 100 * tolerance + 1e-9);
-      EXPECT_NEAR(linkage["th"], 0, 1e-9);
     }
+    EXPECT_GE(passed, 9) << cranks;
+    EXPECT_GE(stopped, 3) << cranks;
   }
-  EXPECT_GE(passed, 9);
-  EXPECT_GE(stopped, 3);
 }
 
 // Four bars of Bennett's: the axes of their hinges are neither parallel nor do they meet, so that all but three of the seven rows follow
@@ -440,6 +449,57 @@ end Far;
     EXPECT_NEAR(model["p[2]"], 15000, 1e-6) << nominal;
     EXPECT_NEAR(std::abs(model["p[1]"]), 15000 * std::sqrt(3.0), 1e-6) << nominal;
   }
+}
+
+// Nor do they hold a body that rests.
+TEST(RedundantConstraints, ThatVanishButForRoundingLockNothing) {
+  CompiledModel model(sourceFile("axis_at_rest.tf", R"(model Rest
+  coordinate Real u(start = 0.4), v(start = 0.8);
+  Rotation W = rotation({1, 2, 0.5}, 0.7), R = W*rotation({0, 0, 1}, v);
+  body first(angle = u, inertia = 1);
+  body second(angle = v, inertia = 1);
+  force push(value = 1, at = u);
+  constraint gear(residual = v - 2*u);
+  constraint axis(residual = (R*{0, 0, 1})*(W*{1, 0, 0}));
+end Rest;
+)"));
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE}) {
+    model.tolerance(1e-8).integrator(integrator).run(1);
+    EXPECT_NEAR(model["u"], 0.5, 1e-7) << integrator;
+    EXPECT_NEAR(model["der(v)"], 0.4, 1e-7) << integrator;
+  }
+}
+
+// The last row holds z, but at x = 1, where it starts and its derivatives vanish too.
+TEST(RedundantConstraints, ThatHoldAgainTooLateEndTheRun) {
+  CompiledModel model(sourceFile("held_again.tf", R"(model HeldAgain
+  coordinate Real x(start = 1, der(start = 1)), y, z;
+  body b(mass = 1, position = {x, y, z});
+  force f(value = {0, -1, 1}, at = {x, y, z});
+  constraint c(residual = y);
+  constraint d(residual = y + (x - 1)^3*z);
+end HeldAgain;
+)"));
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP, TF_EXPLICIT, TF_CVODE})
+    for (const double tolerance : {1e-4, 1e-7})
+      try {
+        model.tolerance(tolerance).integrator(integrator).run(3);
+        ADD_FAILURE() << "the run goes on: " << integrator << ", tolerance " << tolerance;
+      } catch (const std::exception &error) {
+        EXPECT_THAT(error.what(), testing::HasSubstr("at a singular position of constraint 'd' ("));
+      }
+}
+
+// exp(x) is 1e43 times larger where the search begins than where it ends.
+TEST(ConstrainedStarts, AreExactWhereResidualsAreSmallerThanAtTheirValues) {
+  CompiledModel model(sourceFile("exponential_start.tf", R"(model Start
+  coordinate Real x(start = 100, fixed = false, der(fixed = false)), y(start = 1);
+  body b(mass = 1, position = {x, y});
+  constraint c(residual = exp(x) - 2*y);
+end Start;
+)"));
+  ASSERT_NO_THROW(model.initialise());
+  EXPECT_NEAR(model["x"], std::log(2.0), 1e-12);
 }
 
 TEST(ConstrainedStarts, ThatContradictEachOtherAreNamed) {

@@ -137,9 +137,10 @@ TEST(Mobility, ChosenRowsStandForAllBesideWhereTheyDependOnEachOther) {
   Mobility mobility(MassMatrix(5), 3);
   load(mobility, system);
   EXPECT_EQ(mobility.rank(), 2);
-  EXPECT_FALSE(mobility.chooseIndependent()) << "at the first place";
+  EXPECT_FALSE(mobility.chooseIndependent(true)) << "at the first place";
   EXPECT_TRUE(mobility.wasRedundant());
-  EXPECT_TRUE(mobility.chooseIndependent()) << "at the second one";
+  EXPECT_FALSE(mobility.chooseIndependent(false)) << "at the same one";
+  EXPECT_TRUE(mobility.chooseIndependent(true)) << "at the second one";
   Eigen::VectorXd acceleration(5), there(5), multipliers(3);
   mobility.accelerate(system.force.data(), system.bias.data(), acceleration.data());
   mobility.multipliers(system.force.data(), system.bias.data(), multipliers.data());
@@ -161,7 +162,7 @@ TEST(Mobility, ChosenRowsStandForAllBesideWhereTheyDependOnEachOther) {
   // Another rank: the rows have become other ones.
   beside.constraints.row(2) = RowMajor::Random(1, 5);
   load(mobility, beside);
-  EXPECT_TRUE(mobility.chooseIndependent());
+  EXPECT_TRUE(mobility.chooseIndependent(true));
   EXPECT_EQ(mobility.rank(), 3);
 }
 
@@ -170,13 +171,35 @@ TEST(Mobility, RowsThatDependOnEachOtherAtOnePlaceAllCount) {
   singular.constraints.row(1) = 2 * singular.constraints.row(0);
   Mobility mobility(MassMatrix(5), 2);
   load(mobility, singular);
-  EXPECT_FALSE(mobility.chooseIndependent());
+  EXPECT_FALSE(mobility.chooseIndependent(true));
   load(mobility, system);
-  EXPECT_FALSE(mobility.chooseIndependent());
+  EXPECT_FALSE(mobility.chooseIndependent(true));
   EXPECT_EQ(mobility.rank(), 2);
   load(mobility, singular);
-  EXPECT_FALSE(mobility.chooseIndependent());
+  EXPECT_FALSE(mobility.chooseIndependent(true));
   load(mobility, system);
+  EXPECT_EQ(mobility.rank(), 2);
+}
+
+// Where even fewer are independent, at one place of the motion, the choice stays what it was.
+TEST(Mobility, ChosenRowsStayWhereTheyDependOnEachOtherAtOnePlace) {
+  System system = randomSystem(5, 3);
+  system.constraints.row(2) = system.constraints.row(0) + system.constraints.row(1);
+  System singular = system;
+  singular.constraints.row(1) = singular.constraints.row(0);
+  singular.constraints.row(2) = 2 * singular.constraints.row(0);
+  Mobility mobility(MassMatrix(5), 3);
+  load(mobility, system);
+  mobility.chooseIndependent(true);
+  ASSERT_TRUE(mobility.chooseIndependent(true));
+  ASSERT_TRUE(mobility.weakestRow());
+  EXPECT_GT(mobility.weakestRow()->part, 1e-3);
+  load(mobility, singular);
+  EXPECT_FALSE(mobility.chooseIndependent(true));
+  EXPECT_EQ(mobility.rank(), 1);
+  EXPECT_FALSE(mobility.weakestRow());
+  load(mobility, system);
+  EXPECT_FALSE(mobility.chooseIndependent(true));
   EXPECT_EQ(mobility.rank(), 2);
 }
 
