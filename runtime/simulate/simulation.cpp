@@ -110,10 +110,15 @@ tf_status Simulation::Implementation::checkRedundancy() {
   return TF_OK;
 }
 
-// At the start and where rows may have become other ones, after the choice of the mode.
-tf_status Simulation::Implementation::startConstraints() {
+// At (time_, state_), where the dynamics has been evaluated with all rows.
+void Simulation::Implementation::chooseConstraints() {
   at_.mobility.chooseIndependent(true);
   choicePoint_.assign(state_.begin(), state_.begin() + model_.nq);
+}
+
+// At the start and where rows may have become other ones, after the choice of the mode.
+tf_status Simulation::Implementation::startConstraints() {
+  chooseConstraints();
   return redundancy_.isPresent() ? checkRedundancy() : TF_OK;
 }
 
@@ -629,8 +634,10 @@ bool Simulation::Implementation::beginAnew() {
   integrators_.forget();
   lingeringSteps_ = 0;
   switchProgress_.start(model_.ns);
+  at_.mobility.keepAll();
   if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))
     return false;
+  chooseConstraints();
   startMode();
   return true;
 }

@@ -128,6 +128,7 @@ private:
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   tf_status checkRedundancy();
+  void chooseConstraints();
   tf_status startConstraints();
   tf_status checkConstraints();
   void enterSegment();
