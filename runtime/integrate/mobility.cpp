@@ -21,8 +21,8 @@ constexpr double nearlyVanishing = 1e-3;
 Mobility::Mobility(MassMatrix mass, int constraints)
     : nv_(mass.size()), nh_(constraints), rank_(constraints), mass_(std::move(mass)), jacobian_(nv_, constraints),
       response_(nv_, constraints), half_(nv_, constraints), scaledHalf_(nv_, constraints), inertia_(constraints, constraints),
-      scale_(constraints), reduction_(constraints), shares_(constraints), factor_(constraints), decomposition_(constraints, constraints),
-      work_(constraints), solution_(constraints), second_(nv_) {
+      scale_(constraints), shares_(constraints), factor_(constraints), decomposition_(constraints, constraints), work_(constraints),
+      solution_(constraints), second_(nv_) {
   decomposition_.setThreshold(independence * independence);
 }
 
@@ -40,8 +40,8 @@ bool Mobility::setConstraints(const double *jacobian, const double *shares) {
     const double length = std::sqrt(row.dot(response_.col(k)));
     // A row that vanishes, as at a singular position, has no force.
     shares_[k] = std::min(1.0, shares[k]);
-    reduction_[k] = std::min(1.0, shares[k] / nearlyVanishing);
-    scale_[k] = length > 0 && reduction_[k] > independence ? reduction_[k] / length : 0;
+    const double reduced = std::min(1.0, shares[k] / nearlyVanishing);
+    scale_[k] = length > 0 && reduced > independence ? reduced / length : 0;
     jacobian_.col(k) = scale_[k] * row;
     response_.col(k) *= scale_[k];
     half_.col(k) *= scale_[k];
@@ -76,11 +76,14 @@ Mobility::Pivots Mobility::pivots() const {
   while (static_cast<int>(found.rows.size()) < nh_) {
     int largest = -1;
     double part = 0;
-    for (int k = 0; k < nh_; ++k)
-      if (rest(k, k) > independence * independence && independentLength(k, std::sqrt(rest(k, k))) > part) {
+    for (int k = 0; k < nh_; ++k) {
+      if (!(rest(k, k) > independence * independence))
+        continue;
+      if (const double own = independentLength(k, std::sqrt(rest(k, k))); own > part) {
         largest = k;
-        part = independentLength(k, std::sqrt(rest(k, k)));
+        part = own;
       }
+    }
     if (largest < 0)
       break;
     found.rows.push_back(largest);
@@ -94,7 +97,7 @@ Mobility::Pivots Mobility::pivots() const {
 }
 
 // A pivot of the row, as a part of the row's length elsewhere.
-double Mobility::independentLength(int row, double pivot) const { return pivot / reduction_[row] * shares_[row]; }
+double Mobility::independentLength(int row, double pivot) const { return pivot * std::max(shares_[row], nearlyVanishing); }
 
 std::optional<Mobility::WeakRow> Mobility::weakestRow() const {
   if (rank_ < nh_ && !isReduced_)
@@ -161,26 +164,25 @@ std::vector<DependentRow> Mobility::dependentRows() const {
 }
 
 void Mobility::solve(Eigen::VectorXd &residual) const {
-  if (isReduced_) {
-    keptWork_ = residual(kept_);
-    factor_.solveInPlace(keptWork_);
-    residual.setZero();
-    residual(kept_) = keptWork_;
+  if (!isReduced_) {
+    solveAll(residual);
     return;
   }
+  keptWork_ = residual(kept_);
+  factor_.solveInPlace(keptWork_);
+  residual.setZero();
+  residual(kept_) = keptWork_;
+}
+
+void Mobility::solveAll(Eigen::VectorXd &residual) const {
   if (rank_ == nh_) {
     factor_.solveInPlace(residual);
     return;
   }
+  if (isReduced_)
+    decomposition_.compute(inertia_);
   solution_ = decomposition_.solve(residual);
   residual = solution_;
-}
-
-Eigen::VectorXd Mobility::leastNorm(const Eigen::VectorXd &residual) const {
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition(nh_, nh_);
-  decomposition.setThreshold(independence * independence);
-  decomposition.compute(inertia_);
-  return decomposition.solve(residual);
 }
 
 // x += M⁻¹ Hᵀ ν for ν in work_.
@@ -210,10 +212,7 @@ void Mobility::multipliers(const double *force, const double *bias, double *mult
   work_.noalias() = -response_.transpose() * Eigen::Map<const Eigen::VectorXd>(force, nv_);
   for (int k = 0; bias != nullptr && k < nh_; ++k)
     work_[k] -= scale_[k] * bias[k];
-  if (!isReduced_)
-    solve(work_);
-  else
-    work_ = leastNorm(work_);
+  solveAll(work_);
   for (int k = 0; k < nh_; ++k)
     multipliers[k] = scale_[k] * work_[k];
 }

@@ -76,10 +76,10 @@ private:
   void factorise();
   [[nodiscard]] Pivots pivots() const;
   [[nodiscard]] double independentLength(int row, double pivot) const;
-  // ν = (H M⁻¹ Hᵀ)⁺ r in place; with rows that stand for all any ν that makes the same motion
+  // A ν with H M⁻¹ Hᵀ ν = r, in place: that of the rows that stand for all, or (H M⁻¹ Hᵀ)⁺ r.
   void solve(Eigen::VectorXd &residual) const;
-  // The least ν, of the rows scaled, that solves all rows.
-  [[nodiscard]] Eigen::VectorXd leastNorm(const Eigen::VectorXd &residual) const;
+  // ν = (H M⁻¹ Hᵀ)⁺ r in place
+  void solveAll(Eigen::VectorXd &residual) const;
   void react(double *x) const;
 
   int nv_, nh_, rank_;
@@ -91,10 +91,9 @@ private:
   Eigen::MatrixXd response_;            // nv × nh: M⁻¹ Hᵀ, scaled likewise
   Eigen::MatrixXd half_, scaledHalf_;   // nv × nh: L⁻¹ P Hᵀ and Δ⁻¹ L⁻¹ P Hᵀ, scaled likewise
   Eigen::MatrixXd inertia_;             // nh × nh: H M⁻¹ Hᵀ, scaled; unit diagonal but of rows that nearly vanish
-  Eigen::VectorXd scale_, reduction_;   // a row's factor, and what it makes of the row's length in the metric of M⁻¹
-  Eigen::VectorXd shares_;              // of setConstraints, at most 1
+  Eigen::VectorXd scale_, shares_;      // a row's factor; shares of setConstraints, at most 1
   Eigen::LLT<Eigen::MatrixXd> factor_;  // of all rows, or of those that stand for them
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;
+  mutable Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> decomposition_;  // of all rows, where they are not independent
   mutable Eigen::VectorXd work_, solution_, keptWork_;
   Eigen::VectorXd second_;
 };

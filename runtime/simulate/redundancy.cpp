@@ -25,6 +25,23 @@ void Redundancy::start() {
   most_ = 0;
 }
 
+void Redundancy::forgetChoice() {
+  choicePoint_.clear();
+  at_.mobility.keepAll();
+}
+
+bool Redundancy::choose(const double *q) {
+  constexpr double elsewhere = 1e-5;  // of the nominal magnitude of a coordinate
+  if (!isExpected())
+    return false;
+  bool isElsewhere = choicePoint_.empty();
+  for (std::size_t k = 0; k < choicePoint_.size() && !isElsewhere; ++k)
+    isElsewhere = std::abs(q[k] - choicePoint_[k]) > elsewhere * at_.scales.nominal()[k];
+  if (isElsewhere)
+    choicePoint_.assign(q, q + at_.model().nq);
+  return at_.mobility.chooseIndependent(isElsewhere);
+}
+
 const tf_constraint &Redundancy::constraintOf(int row) const {
   const tf_model &model = at_.model();
   return *std::find_if(model.constraints, model.constraints + model.nk,
@@ -94,7 +111,8 @@ std::string Redundancy::singularity(double tolerance) const {
 }
 
 std::string Redundancy::undecided(double tolerance) const {
-  const int row = at_.mobility.weakestRow() ? at_.mobility.weakestRow()->row : 0;
+  const auto weakest = at_.mobility.weakestRow();
+  const int row = weakest ? weakest->row : 0;
   return fmt::format(
       "at a singular position of constraint {} {} tolerance {:.3g} cannot be met: rounding decides how the mechanism goes on", nameOf(row),
       sourceOf(constraintOf(row).location), tolerance);

@@ -170,10 +170,7 @@ tf_status Simulation::Implementation::timeEvent() {
   transitions.push_back({TF_EVENT_TIME, -1});
   EventHint hint;
   hint.keepsOpen = true;
-  at_.mobility.keepAll();
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
-    return status;
-  if (const tf_status status = startConstraints(); status != TF_OK)
     return status;
   openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
   if (const tf_status status = endSwitch(-1); status != TF_OK)
@@ -184,12 +181,15 @@ tf_status Simulation::Implementation::timeEvent() {
 
 // Switches, or inputs, are about to take other values at (time_, state_).
 void Simulation::Implementation::beginSwitch() {
+  redundancy_.forgetChoice();
   if (model_.nv > 0 && (energy_ || model_.ns > 0))
     energyJump_.begin(time_, state_.data());
 }
 
 // They have. What that does to the potential energy is work of what turns them; switch j may not have turned by the motion itself then.
 tf_status Simulation::Implementation::endSwitch(int j) {
+  if (const tf_status status = startConstraints(); status != TF_OK)
+    return status;
   if (model_.nv == 0 || !(energy_ || model_.ns > 0))
     return TF_OK;
   energyJump_.end(time_, state_.data());
@@ -428,13 +428,9 @@ tf_status Simulation::Implementation::changeMode(const Guard &guard, int stopped
   hint.keepsOpen = isStep || guard.kind == GuardKind::Condition;
   std::vector<Transition> &transitions = beginTransitions();
   const bool switches = guard.kind == GuardKind::Condition;
-  if (switches) {
+  if (switches)
     beginSwitch();
-    at_.mobility.keepAll();
-  }
   if (const tf_status status = settle(transitions, hint); status != TF_OK)
-    return status;
-  if (const tf_status status = switches ? startConstraints() : TF_OK; status != TF_OK)
     return status;
   if (const tf_status status = switches ? endSwitch(guard.index) : TF_OK; status != TF_OK)
     return status;

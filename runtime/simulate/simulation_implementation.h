@@ -1,5 +1,6 @@
-// The state of a simulation and its parts; simulation.cpp has the way through time, simulation_steps.cpp the ends of its steps,
-// simulation_events.cpp what happens at events, simulation_impacts.cpp frozen phases, simulation_slips.cpp the end and the turn of slips.
+// The state of a simulation and its parts; simulation.cpp has the way through time, simulation_start.cpp its begin, simulation_steps.cpp
+// the ends of its steps, simulation_events.cpp what happens at events, simulation_impacts.cpp frozen phases, simulation_slips.cpp the end
+// and the turn of slips, simulation_continuation.cpp saved states.
 #pragma once
 
 #include "runtime/simulate/constrained_start.h"
@@ -86,7 +87,6 @@ public:
   bool hasStopMoved_ = false;                     // the latest differentiateStop has changed a derivative of a state
   bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
   Redundancy redundancy_;
-  std::vector<double> choicePoint_;  // nq: where independent constraints were chosen, or might have been
   EnergyJump energyJump_;
   double openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();  // when one has begun that has not ended: it has failed
   // workspaces
@@ -105,16 +105,8 @@ private:
     std::vector<EnergyTotals> energy;            // one, or none without account of it
     std::vector<double> impacts, sensitivities;  // RestPrediction; the numbers of those that there are
   };
-  Continuation continuation() const;
-  // Calls `field`(data, bytes) for all that continuation depends on, in order.
-  template <class Field> void forContinuation(Continuation &more, const Field &field);
 
-  // simulation.cpp
-  tf_status fail(std::string text);
-  tf_status failAt(std::string_view text);
-  tf_status failSensitivities(std::string_view where);
-  tf_status failEvaluation();
-  bool beginAnew();
+  // simulation_start.cpp
   SimulationOptions stepOptions();
   tf_status takeStarts();
   tf_status solveStart();
@@ -122,15 +114,23 @@ private:
   tf_status checkStartDerivatives();
   tf_status checkStartingSlips();
   bool startsStayConsistent();
+
+  // simulation_continuation.cpp
+  Continuation continuation() const;
+  // Calls `field`(data, bytes) for all that continuation depends on, in order.
+  template <class Field> void forContinuation(Continuation &more, const Field &field);
+  bool beginAnew();
+
+  // simulation.cpp
+  tf_status fail(std::string text);
+  tf_status failAt(std::string_view text);
+  tf_status failSensitivities(std::string_view where);
+  tf_status failEvaluation();
   void startMode();
   void resumeMode();
   void startIntegrator(GapsAtStart gaps);
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
-  tf_status checkRedundancy();
-  void chooseConstraints();
-  tf_status startConstraints();
-  tf_status checkConstraints();
   void enterSegment();
   bool skipTo(double limit);
   [[nodiscard]] std::string rapidSwitch();
@@ -149,6 +149,10 @@ private:
   tf_status projectEnd();
   bool isSuspicious(double correction);
   tf_status checkJump();
+  void noteRedundancy();
+  tf_status startConstraints();
+  tf_status chooseConstraints();
+  tf_status checkConstraints();
   tf_status checkFriction();
 
   // simulation_events.cpp

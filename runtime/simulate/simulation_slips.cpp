@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace tf::runtime {
 
@@ -69,19 +68,14 @@ bool Simulation::Implementation::locateStop(DetectedEvent &event) {
 // The guard of a slip of one component that has fallen to zero at the end of the integrator's step; −1: none.
 int Simulation::Implementation::slipThatStops() {
   SmoothIntegrator &integrator = integrators_.current();
-  const auto count = static_cast<int>(dynamics_.guards().size());
-  bool isEvaluated = false;
-  for (int guard = 0; guard < count; ++guard) {
-    const Guard &g = dynamics_.guards()[guard];
-    if (g.kind != GuardKind::Slip)
-      continue;
-    if (!isEvaluated && !dynamics_.evaluate(integrator.endTime(), integrator.end(), interpolated_.data()))
-      return -1;
-    if (!std::exchange(isEvaluated, true))
-      at_.switching(ModelEvaluation::Slips);
-    if (std::abs(at_.slip[g.index]) <= selection_.stillSlip(g.index, integrator.end()) && dynamics_.slipRate(guard) < 0)
+  const double time = integrator.endTime();
+  at_.setPoint(time, integrator.end());
+  at_.switching(ModelEvaluation::Slips);
+  for (int guard = 0; guard < static_cast<int>(dynamics_.guards().size()); ++guard)
+    if (const Guard &g = dynamics_.guards()[guard];
+        g.kind == GuardKind::Slip && std::abs(at_.slip[g.index]) <= selection_.stillSlip(g.index, integrator.end()) &&
+        dynamics_.evaluate(time, integrator.end(), interpolated_.data()) && dynamics_.slipRate(guard) < 0)
       return guard;
-  }
   return -1;
 }
 

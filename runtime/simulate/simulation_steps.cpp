@@ -1,4 +1,4 @@
-// The ends of an integrator's steps: projection, and what ends a run inside a step.
+// The ends of an integrator's steps: projection, constraints, and what ends a run inside a step.
 #include "runtime/simulate/held_rates.h"
 #include "runtime/simulate/simulation_implementation.h"
 
@@ -127,6 +127,54 @@ tf_status Simulation::Implementation::checkJump() {
   if (after.size - before > std::max(0.5 * after.size, rounding * after.scale))
     return fail(fmt::format("the derivative of {} jumps at t = {:.10g}", nameOf(model_, after), low));
   return TF_OK;
+}
+
+// Constraints that follow from others for the first time, at the evaluation's point, which is (time_, state_).
+void Simulation::Implementation::noteRedundancy() {
+  if (!redundancy_.isPresent())
+    return;
+  for (const std::string &text : redundancy_.newlyRedundant())
+    note(TF_NOTE_REDUNDANT, time_, text);
+  statistics_.redundant_constraints = redundancy_.most();
+}
+
+// At the start and where rows may have become other ones, after the choice of the mode.
+tf_status Simulation::Implementation::startConstraints() {
+  redundancy_.choose(state_.data());
+  noteRedundancy();
+  const std::string text = redundancy_.contradiction(owner_.options.tolerance);
+  return text.empty() ? TF_OK : failAt(text);
+}
+
+// Where constraints follow from others: which of them count from the end of the integrator's step on, and whether all are satisfied there.
+tf_status Simulation::Implementation::chooseConstraints() {
+  constexpr double undecided = 100;  // tolerances
+  SmoothIntegrator &integrator = integrators_.current();
+  const double time = integrator.endTime();
+  if (!dynamics_.evaluate(time, integrator.end(), rate_.data()))
+    return TF_OK;
+  const int rank = at_.mobility.rank();
+  if (redundancy_.choose(integrator.end())) {
+    // Rows that have been left out, as they followed from others for a while, have not been held.
+    if (at_.mobility.rank() > rank &&
+        dynamics_.project(time, integrator.end(), integrator.settings().scale.data()) > undecided * owner_.options.tolerance)
+      return failAt(redundancy_.undecided(owner_.options.tolerance));
+    if (!dynamics_.evaluate(time, integrator.end(), integrator.endRate()))
+      return failEvaluation();
+  }
+  const std::string text = redundancy_.contradiction(owner_.options.tolerance);
+  return text.empty() ? TF_OK : fail(fmt::format("{} at t = {:.10g}", text, time));
+}
+
+// At the end of the integrator's step, before its samples are taken: no contradictions, no singular position.
+tf_status Simulation::Implementation::checkConstraints() {
+  if (model_.nh == 0)
+    return TF_OK;
+  if (redundancy_.isExpected())
+    if (const tf_status status = chooseConstraints(); status != TF_OK)
+      return status;
+  const std::string text = redundancy_.singularity(owner_.options.tolerance);
+  return text.empty() ? TF_OK : failAt(text);
 }
 
 // Where a coefficient of friction falls below zero inside the integrator's step, the run ends there.
