@@ -12,7 +12,7 @@ namespace {
 struct Header {
   std::uint64_t mark;
   std::uint64_t size;         // of everything
-  std::uint64_t fingerprint;  // of model and parameters
+  std::uint64_t fingerprint;  // of model, parameters and what the run is differentiated by
   std::uint64_t checksum;     // of everything after the header
 };
 
@@ -27,9 +27,11 @@ std::uint64_t hashBytes(std::uint64_t hash, const void *data, std::size_t size) 
   return hash;
 }
 
-std::uint64_t fingerprint(const ModelInstance &instance) {
-  const std::uint64_t hash = hashBytes(hashStart, instance.model().hash, std::strlen(instance.model().hash));
-  return hashBytes(hash, instance.parameters().data(), instance.parameters().size_bytes());
+std::uint64_t fingerprint(const ModelInstance &instance, const Simulation &simulation) {
+  const std::uint64_t ofModel = hashBytes(hashStart, instance.model().hash, std::strlen(instance.model().hash));
+  const std::uint64_t hash = hashBytes(ofModel, instance.parameters().data(), instance.parameters().size_bytes());
+  const std::vector<std::int32_t> variables = simulation.differentiatedBy();
+  return hashBytes(hash, variables.data(), variables.size() * sizeof(std::int32_t));
 }
 
 std::size_t inputsSize(const InputSignals &inputs) { return static_cast<std::size_t>(inputs.count()) * sizeof(double); }
@@ -47,7 +49,7 @@ std::size_t savedStateSize(const InputSignals &inputs, const Simulation &simulat
 
 // Header, constants of inputs (NaN: not a constant), state of the simulation.
 void saveState(const ModelInstance &instance, const InputSignals &inputs, const Simulation &simulation, void *buffer) {
-  Header header{stateMark, savedStateSize(inputs, simulation), fingerprint(instance), 0};
+  Header header{stateMark, savedStateSize(inputs, simulation), fingerprint(instance, simulation), 0};
   auto *const contents = static_cast<unsigned char *>(buffer) + sizeof header;
   auto *out = contents;
   for (std::int32_t i = 0; i < inputs.count(); ++i) {
@@ -70,7 +72,7 @@ Outcome<void> restoreState(const ModelInstance &instance, InputSignals &inputs, 
     std::memcpy(&header, in, sizeof header);
   if (header.mark != stateMark || header.size > size || header.size < sizeof header)
     return Failure{"this is not a saved state"};
-  if (header.size != savedStateSize(inputs, simulation) || header.fingerprint != fingerprint(instance))
+  if (header.size != savedStateSize(inputs, simulation) || header.fingerprint != fingerprint(instance, simulation))
     return Failure{"the state is of another model, of other parameters or of a run with other sensitivities or energy balance"};
   in += sizeof header;
   if (header.checksum != hashBytes(hashStart, in, header.size - sizeof header))

@@ -127,6 +127,11 @@ bool ModeDynamics::fail(EvaluationFailure failure) {
   return false;
 }
 
+bool ModeDynamics::failMass() {
+  return fail(allFinite(at_.massMatrix) && allFinite(at_.constraintJacobian) ? EvaluationFailure::SingularMass
+                                                                             : EvaluationFailure::NotFinite);
+}
+
 // The branch of a coefficient that a switch ends may be negative beyond it, where a step goes before the switch is found.
 void ModeDynamics::watchFriction() {
   for (int j = 0; j < problem_.tangentCount; ++j)
@@ -147,8 +152,7 @@ bool ModeDynamics::prepare(double time, const double *state) {
     slips_.align(rows_);
   }
   if (!at_.dynamics())
-    return fail(allFinite(at_.massMatrix) && allFinite(at_.constraintJacobian) ? EvaluationFailure::SingularMass
-                                                                               : EvaluationFailure::NotFinite);
+    return failMass();
   isGathered_ = true;
   if (rows_.count() > 0) {
     at_.contactTerms(mask_.data());

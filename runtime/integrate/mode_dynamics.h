@@ -77,6 +77,9 @@ public:
   bool evaluate(double time, const double *state, double *rate);
   // Of the last evaluation.
   [[nodiscard]] EvaluationFailure failure() const { return failure_; }
+  // False: what the choice of a mode has met at the evaluation's point before there was one to evaluate, for failure().
+  bool fail(EvaluationFailure failure);
+  bool failMass();
   // Since it was last forgotten, an evaluation has met a coefficient or bound of friction below zero: a step has gone beyond a switch, or
   // the model is wrong.
   [[nodiscard]] bool metNegativeFriction() const { return metNegativeFriction_; }
@@ -303,7 +306,6 @@ private:
   void limitColumn(int k, std::vector<double> &friction, std::vector<double> &limit) const;
   void conditionRates(double *rates);
   void differenceJacobian(double time, const double *state, double *matrix);
-  bool fail(EvaluationFailure failure);
   [[nodiscard]] double readGuard(const Guard &guard) const;
   [[nodiscard]] double readRate(const Guard &guard) const;
   void evaluateGuards();

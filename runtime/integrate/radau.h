@@ -54,6 +54,7 @@ private:
   Iteration newton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
   Iteration turningNewton(ModeDynamics &dynamics, double t0, double h, const double *scale, double accuracy);
   const double *startRate(ModeDynamics &dynamics, double t0, const double *f0);
+  bool startsAreSteady(ModeDynamics &dynamics, double t0, double h);
   bool turnsBack(ModeDynamics &dynamics, double t0, double h);
   double correct(double h, const double *scale);
   bool factorise(ModeDynamics &dynamics, double t0, double h);
@@ -72,6 +73,7 @@ private:
   std::vector<double> stage_;         // Z_i = Y_i − y0
   std::vector<double> rate_;          // F_i
   std::vector<double> begin_, point_, startRate_;
+  std::vector<double> angles_, previousAngles_;  // of slips that start, at all stages, by the latest iterations
   double h_ = 0;
   bool hasPast_ = false;
   std::vector<double> pastBegin_, pastStage_;

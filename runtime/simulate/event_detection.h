@@ -144,6 +144,7 @@ private:
   bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth);
   // event_sampling.cpp
   Probe probe(int guard, double time);
+  bool readInside();
   bool isSteadyForce(int guard);
   [[nodiscard]] bool samplesVarying();
   [[nodiscard]] bool isSampled(int guard) const { return samplesVarying_ && dynamics_.guards()[guard].varies; }
@@ -207,6 +208,7 @@ private:
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
   Sample begin_, end_, shifted_;
+  std::array<Sample, 2> inside_;
   Sample first_;                   // at the first event found so far
   std::array<Sample, 3> inner_;    // the latest ones
   std::vector<Sample> pool_;       // one middle for each depth of the search

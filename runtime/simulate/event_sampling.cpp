@@ -15,6 +15,7 @@ namespace {
 
 // Where an interval is divided: no period of what is sampled has a simple ratio to it.
 constexpr double division = 0.4619397662556434;
+constexpr double otherDivision = 0.8090169943749475;
 // Divisions: the smallest intervals are some 1e-8 of the step.
 constexpr int deepest = 30;
 // Divisions for one guard in one step. A guard that takes more oscillates too often for the step, or stays at zero but for the errors of
@@ -25,8 +26,9 @@ constexpr int mostDivisions = 100000;
 constexpr int mostForceDivisions = 2000;
 constexpr double noProgress = 1e-4;
 // Forces of contacts that nearly determine one another, as in a jam, are those of rounding: they scatter by as much in however short an
-// interval. Four divisions leave less than this part of what they scatter by otherwise.
-constexpr double noisy = 0.1;
+// interval. Four divisions leave less than this part of what they scatter by otherwise. So do oscillations, which need as many divisions
+// as it takes to come to a period; but a difference over a time that is far shorter shows no more than a small part of an oscillation.
+constexpr double noisy = 0.1, rough = 0.02;
 // Differences for the rates, in parts of the step; times that differ by less are not told apart well enough.
 constexpr double difference = 1e-6, roundingOfTimes = 4096 * std::numeric_limits<double>::epsilon();
 
@@ -44,21 +46,41 @@ EventDetection::Probe EventDetection::probe(int guard, double time) {
   return result;
 }
 
-// Of a force: whether its values at the stages of the method, or at one place and by the rate there, show that it hardly changes.
+// All guards at two places inside the step, those of forces with their rates. False: they cannot be evaluated there.
+bool EventDetection::readInside() {
+  for (Sample &sample : inside_) {
+    const double part = &sample == inside_.data() ? division : otherDivision, time = begin_.time + part * (end_.time - begin_.time);
+    for (const auto &[at, into] : {std::pair{time + probeStep_, &shifted_}, std::pair{time, &sample}}) {
+      interpolate(at);
+      if (!dynamics_.evaluate(at, state_.data(), scratch_.data()))
+        return false;
+      readGuards(at, *into);
+    }
+    for (const int k : awake_)
+      if (isForceGuard(dynamics_.guards()[k].kind))
+        sample.rate[k] = (shifted_.value[k] - sample.value[k]) / probeStep_;
+  }
+  return true;
+}
+
+// Of a force, where all have been read inside: whether its values and rates there, and its values at the stages of the method, show that it
+// hardly changes. One that oscillates may have the same value at the begin, the end and a few stages of a long step, but hardly rates near
+// zero as well.
 bool EventDetection::isSteadyForce(int guard) {
   constexpr double small = 0.2;
-  double least = std::min(begin_.value[guard], end_.value[guard]), most = std::max(begin_.value[guard], end_.value[guard]);
-  double change = 0;
-  if (dynamics_.guards()[guard].kind == GuardKind::Force && integrator_->samplesInside()) {
-    least = std::min(least, dynamics_.leastMargin(guard));
-    most = std::max(most, dynamics_.largestMargin(guard));
-  } else {
-    const Probe inside = probe(guard, begin_.time + division * (end_.time - begin_.time));
-    least = std::min(least, inside.value);
-    most = std::max(most, inside.value);
-    change = std::abs(inside.rate) * (end_.time - begin_.time);
+  double least = std::min(begin_.value[guard], end_.value[guard]), most = std::max(begin_.value[guard], end_.value[guard]), rate = 0;
+  const auto include = [&](double low, double high) {
+    least = std::min(least, low);
+    most = std::max(most, high);
+  };
+  if (dynamics_.guards()[guard].kind == GuardKind::Force && integrator_->samplesInside())
+    include(dynamics_.leastMargin(guard), dynamics_.largestMargin(guard));
+  for (const Sample &sample : inside_) {
+    include(sample.value[guard], sample.value[guard]);
+    rate = std::max(rate, std::abs(sample.rate[guard]));
   }
-  return starts_[guard].armed != Arming::Not && least > 0 && most - least <= small * least && change <= small * least;
+  return starts_[guard].armed != Arming::Not && least > 0 && most - least <= small * least &&
+         rate * (end_.time - begin_.time) <= small * least;
 }
 
 // So short a step that rates cannot be told resolves all that varies.
@@ -69,9 +91,11 @@ bool EventDetection::samplesVarying() {
 }
 
 void EventDetection::examineVarying(DetectedEvent &first) {
+  const auto isForce = [this](int k) { return dynamics_.guards()[k].varies && isForceGuard(dynamics_.guards()[k].kind); };
+  const bool hasInside = std::any_of(awake_.begin(), awake_.end(), isForce) && readInside();
   for (const int guard : awake_) {
     const Guard &described = dynamics_.guards()[guard];
-    if (!described.varies || (isForceGuard(described.kind) && isSteadyForce(guard)))
+    if (!described.varies || (hasInside && isForceGuard(described.kind) && isSteadyForce(guard)))
       continue;
     DetectedEvent own;
     divisions_ = 0;
@@ -112,7 +136,8 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit
   const auto middle = fit.scatter.begin() + fit.scatter.size() / 2;
   const double scatter = *std::max_element(middle, fit.scatter.end());
   const bool isForce = isForceGuard(dynamics_.guards()[guard].kind),
-             isNoise = isForce && scatter > noisy * *std::max_element(fit.scatter.begin(), middle);
+             isNoise =
+                 isForce && scatter > noisy * *std::max_element(fit.scatter.begin(), middle) && reach * probeStep_ > rough * scatter * h;
   const bool areEnough = depth < deepest && ++divisions_ > (isForce ? mostForceDivisions : mostDivisions),
              isFinest = depth >= deepest || areEnough;
   const double leave = threshold(guard);

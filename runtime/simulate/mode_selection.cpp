@@ -1,4 +1,5 @@
 #include "runtime/simulate/mode_selection.h"
+#include "runtime/integrate/all_finite.h"
 #include "runtime/integrate/byte_flags.h"
 #include "runtime/simulate/source_texts.h"
 
@@ -18,6 +19,8 @@ namespace {
 constexpr double deepestGrazing = 1e-12, deepestJam = 1e-10;
 // Higher gaps, times the gap's scale, are no rounding.
 constexpr double lowestHop = 1e-12;
+// Step variables of sliding modes may be outside [0, 1] by this.
+constexpr double outsideSteps = 1e-9;
 
 }  // namespace
 
@@ -206,6 +209,7 @@ void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
   const tf_model &model = at_.model();
   surfaces_.clear();
   choices_.clear();
+  left_ = -1;
   mode_.switches.assign(model.ns, Switch::Zero);
   mode_.held.assign(model.ns, 0);
   for (int j = 0; j < model.ns; ++j) {
@@ -219,6 +223,8 @@ void ModeSelection::classifySwitches(const Mode &previous, EventHint hint) {
       continue;
     }
     surfaces_.push_back(j);
+    if (slid && hinted)
+      left_ = j;
     const Switch written = model.switches[j].zero_is_positive != 0 ? Switch::One : Switch::Zero;
     Choices order;
     if (slid && !hinted)
@@ -334,8 +340,10 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
     return Trial::Consistent;
   }
   at_.setPoint(time, state);
-  if (!at_.dynamics())
+  if (!at_.dynamics()) {
+    dynamics_.failMass();
     return Trial::Failed;
+  }
   // Else chooseRows has called them.
   if (!surfaces_.empty())
     at_.contactTerms(mask_.data());
@@ -344,6 +352,10 @@ ModeSelection::Trial ModeSelection::solveContacts(double time, const double *sta
   system_.gather(at_);
   system_.respond(at_);
   system_.setBias(at_, freeAcceleration_.data());
+  if (!allFinite(problem_.bias)) {
+    dynamics_.fail(EvaluationFailure::NotFinite);
+    return Trial::Failed;
+  }
   startInertSlips(state);
   const ContactSolution &solution = solver_.solve(problem_, &previousContacts_, readForces());
   if (solution.status == ContactStatus::Inconsistent) {
@@ -441,8 +453,26 @@ void ModeSelection::holdRows(double time, const double *state) {
   }
 }
 
+// By how much d c/dt of switch j differs between its sides, without the contacts' part in it. The gradient has been evaluated.
+double ModeSelection::slopeJump(int j) {
+  const tf_model &model = at_.model();
+  const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * at_.columns() + model.nq;
+  at_.stepDerivatives();
+  std::vector<double> byStep(model.nv), rate(model.nv);
+  for (int i = 0; i < model.nv; ++i)
+    byStep[i] = at_.forceByStep[i * model.ns + j];
+  at_.mobility.accelerate(byStep.data(), nullptr, rate.data());
+  double jump = 0;
+  for (int i = 0; i < model.nv; ++i)
+    jump += row[i] * rate[i];
+  for (int i = 0; i < model.nz; ++i)
+    jump += row[model.nv + i] * at_.stateRateByStep[i * model.ns + j];
+  return std::abs(jump);
+}
+
 // Signs of d c/dt on the surfaces agree with the sides that were assigned. What contacts hold has rates of rounding, compared with those
-// that it would have without them.
+// that it would have without them. So has the side to which a surface is left that a motion has slid on: its rate begins at zero, a
+// difference of terms that may be as large as that between the sides.
 bool ModeSelection::conditionsHold(double time, const double *state) {
   stays_.assign(surfaces_.size(), 0);
   if (surfaces_.empty())
@@ -473,12 +503,14 @@ bool ModeSelection::conditionsHold(double time, const double *state) {
     accumulate(row[nx - 1], 1);
     constexpr double rounding = 1e-12;
     stays_[s] = std::abs(slope) <= rounding * std::max(size, freeSize) ? 1 : 0;
-    const double tolerance = std::max(1e-10 * std::max(size, 1e-300), rounding * freeSize);
+    double tolerance = std::max(1e-10 * std::max(size, 1e-300), rounding * freeSize);
+    if (j == left_)
+      tolerance = std::max(tolerance, outsideSteps * slopeJump(j));
     if (mode_.switches[j] == Switch::One && slope < -tolerance)
       return false;
     if (mode_.switches[j] == Switch::Zero && slope > tolerance)
       return false;
-    if (mode_.switches[j] == Switch::Sliding && (at_.stepVariable[j] < -1e-9 || at_.stepVariable[j] > 1 + 1e-9))
+    if (mode_.switches[j] == Switch::Sliding && (at_.stepVariable[j] < -outsideSteps || at_.stepVariable[j] > 1 + outsideSteps))
       return false;
   }
   return true;

@@ -121,6 +121,7 @@ private:
   Trial solveContacts(double time, const double *state);
   bool startMode(double time, const double *state);
   void holdRows(double time, const double *state);
+  double slopeJump(int j);
   bool conditionsHold(double time, const double *state);
   void writeMode(const ContactMode &contacts);
   void readPrevious(const Mode &previous);
@@ -142,6 +143,7 @@ private:
   std::vector<int> touching_, approaching_, grazing_;
   std::vector<int> contacts_, tangents_;                   // of the problem
   std::vector<int> surfaces_;                              // switches on their surfaces
+  int left_ = -1;                                          // of them, where a sliding mode ends; −1: none
   std::vector<Choices> choices_;                           // of each, in order of preference
   std::vector<std::uint8_t> stays_;                        // of each: its condition stays zero in the mode
   std::vector<int> contactOf_;                             // nt, see contactsOfTangents

@@ -57,7 +57,7 @@ void Sensitivities::makeColumn(Column &column, double time) {
   std::vector<double> derivative(static_cast<std::size_t>(n_) + parameters + inputs);
   const double magnitude = variable.kind == TF_KIND_PARAMETER ? std::abs(parameters_[static_cast<std::size_t>(variable.index)]) : 0;
   const auto count = static_cast<int>(derivative.size());
-  differenceOfSmooth(all, 1 / std::max({magnitude, std::abs(variable.nominal), 1e-300}), 0, count, derivative.data());
+  differenceOfSmooth(all, 1 / std::max({magnitude, std::abs(variable.nominal), 1e-300}), nullptr, count, derivative.data());
   const auto index = static_cast<Eigen::Index>(&column - columns_.data());
   std::copy_n(derivative.begin(), n_, matrix_.col(index).data());
   column.parameters.assign(derivative.begin() + n_, derivative.begin() + n_ + static_cast<std::ptrdiff_t>(parameters));
@@ -164,12 +164,14 @@ bool Sensitivities::differenceRate(Column &column, double time, const double *st
   const double scale = scaleOf(column, still_.data());
   // Forces of pairs, and those that redundant rows share, come out of iterations and thresholds.
   const bool isSmooth = !follows && !dynamics_.hasPairs();
-  const double magnitude = Eigen::Map<const Eigen::VectorXd>(rate_.data(), n_).lpNorm<Eigen::Infinity>();
+  // Rows whose terms are small may have the rounding errors of others.
+  const double largest = Eigen::Map<const Eigen::VectorXd>(rate_.data(), n_).lpNorm<Eigen::Infinity>();
+  const Eigen::VectorXd magnitudes = rateTerms_.cwiseMax(largest);
   bool isGood = false;
   column.shortening = 1;
   if (!isSmooth) {
     isGood = difference(rate, scale, n_ + extra, rateAndState_.data());
-  } else if (const auto shortening = differenceOfSmooth(rate, scale, magnitude, n_ + extra, rateAndState_.data())) {
+  } else if (const auto shortening = differenceOfSmooth(rate, scale, magnitudes.data(), n_ + extra, rateAndState_.data())) {
     column.shortening = *shortening;
     isGood = true;
   }
@@ -201,6 +203,8 @@ bool Sensitivities::linearise(double time, Eigen::MatrixXd &slope, Eigen::Matrix
   const bool rests = dynamics_.restsByItsRows(state_.data());
   if (!dynamics_.jacobian(time, state_.data(), jacobian_.data()))
     return false;
+  rateTerms_ = Eigen::Map<const Eigen::VectorXd>(rate_.data(), n_).cwiseAbs();
+  dynamics_.accelerationTerms(rateTerms_.data() + dynamics_.model().model().nq);
   slope = jacobian_.topLeftCorner(n_, n_);
   if (!inhomogeneity(time, state_.data(), slope, offset))
     return false;
@@ -233,12 +237,9 @@ void Sensitivities::sampleBorder(SmoothIntegrator &integrator, double time, Bord
 
 // Of the rate's differences at the last node, over a piece, for differences by one: 1e-16 of the terms that the rate is the sum of.
 Eigen::VectorXd Sensitivities::rounding(double length) {
-  const tf_model &model = dynamics_.model().model();
   const Eigen::MatrixXd &slope = slopes_.back();
-  const Eigen::Map<const Eigen::VectorXd> state(state_.data(), n_), rate(rate_.data(), n_);
-  Eigen::VectorXd terms = rate.cwiseAbs();
-  dynamics_.accelerationTerms(terms.data() + model.nq);
-  terms += slope.cwiseAbs() * state.cwiseAbs();
+  const Eigen::Map<const Eigen::VectorXd> state(state_.data(), n_);
+  const Eigen::VectorXd terms = rateTerms_ + slope.cwiseAbs() * state.cwiseAbs();
   return std::numeric_limits<double>::epsilon() * terms.cwiseQuotient((1 / length + slope.diagonal().cwiseAbs().array()).matrix());
 }
 

@@ -72,6 +72,8 @@ public:
   // Number of (q, v, z).
   [[nodiscard]] int size() const { return n_; }
   [[nodiscard]] int columnCount() const { return static_cast<int>(columns_.size()); }
+  // The number of the variable that it is by.
+  [[nodiscard]] std::int32_t variableOf(int column) const { return columns_[static_cast<std::size_t>(column)].variable; }
   // ∂(q, v, z)/∂θ_column
   [[nodiscard]] const double *column(int column) const { return matrix_.col(column).data(); }
 
@@ -91,17 +93,17 @@ private:
   template <class Function> bool difference(const Function &function, double scale, int count, double *derivative);
   // The same of a function without jumps and thresholds, which may have another scale than that of its values: of a frequency after many
   // periods, of what is small beside its nominal value. Steps are shortened as far as that pays; by how many times, nothing where it cannot
-  // be evaluated. `magnitude`: of terms that the values are sums of, and have the rounding errors of, where these are larger than the
+  // be evaluated. `magnitudes`: of terms that the values are sums of, and have the rounding errors of, where these are larger than the
   // values.
   template <class Function>
-  std::optional<double> differenceOfSmooth(const Function &function, double scale, double magnitude, int count, double *derivative);
+  std::optional<double> differenceOfSmooth(const Function &function, double scale, const double *magnitudes, int count, double *derivative);
   // What a difference is wrong by, relative to how much the values change: at least about that. 1: nothing is known.
   struct DifferenceError {
     double truncation = 0, total = 0;  // total: with rounding
   };
   // The same with the step h.
   template <class Function>
-  std::optional<DifferenceError> differenceAt(const Function &function, double h, double magnitude, int count, double *derivative);
+  std::optional<DifferenceError> differenceAt(const Function &function, double h, const double *magnitudes, int count, double *derivative);
   [[nodiscard]] double scaleOf(const Column &column, const double *direction) const;
   // A and b at an end of a piece.
   struct Border {
@@ -153,7 +155,8 @@ private:
   ModeDynamics &dynamics_;
   const ModelInstance &instance_;
   const InputSignals &inputs_;
-  int n_;  // of (q, v, z)
+  int n_;                      // of (q, v, z)
+  Eigen::VectorXd rateTerms_;  // sizes of what the rate is the sum of where it was linearised: what contacts hold is a difference of forces
   std::vector<Column> columns_;
   std::vector<double> parameters_, shifted_;  // at θ; at the point that is evaluated
   Eigen::MatrixXd matrix_;                    // n × columns

@@ -91,7 +91,8 @@ bool Sensitivities::differentiateGap(double time, const double *state, int conta
       return true;
     };
     double byModel = 0;
-    differenceOfSmooth(gap, scaleOf(columns_[k], still_.data()), at.scales.gap(contact, state_.data()), 1, &byModel);
+    const double magnitude = at.scales.gap(contact, state_.data());
+    differenceOfSmooth(gap, scaleOf(columns_[k], still_.data()), &magnitude, 1, &byModel);
     shift(columns_[k], 0);
     change[static_cast<Eigen::Index>(k)] += byModel;
   }

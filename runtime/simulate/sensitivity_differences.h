@@ -20,8 +20,8 @@ struct DifferenceFormula {
 };
 
 template <class Function>
-std::optional<Sensitivities::DifferenceError> Sensitivities::differenceAt(const Function &function, double h, double magnitude, int count,
-                                                                          double *derivative) {
+std::optional<Sensitivities::DifferenceError> Sensitivities::differenceAt(const Function &function, double h, const double *magnitudes,
+                                                                          int count, double *derivative) {
   static constexpr std::array<DifferenceFormula, 3> formulas = {{
       {{-2, -1, 0, 1, 2}, {1.0 / 12, -2.0 / 3, 0, 2.0 / 3, -1.0 / 12}, {0, -0.5, 0, 0.5, 0}},
       {{0, 1, 2, 3, 4}, {-25.0 / 12, 4, -3, 4.0 / 3, -0.25}, {-1.5, 2, -0.5, 0, 0}},
@@ -42,7 +42,8 @@ std::optional<Sensitivities::DifferenceError> Sensitivities::differenceAt(const 
   DifferenceError error;
   for (int i = 0; i < count; ++i) {
     // The weights add up to zero: what does not change has no rounding errors then.
-    double high = 0, low = 0, size = 0, largest = std::max(magnitude, std::abs(samples_[static_cast<std::size_t>(i)]));
+    double high = 0, low = 0, size = 0,
+           largest = std::max(magnitudes != nullptr ? magnitudes[i] : 0, std::abs(samples_[static_cast<std::size_t>(i)]));
     for (std::size_t k = 1; k < formula->places.size(); ++k) {
       if (formula->weights[k] == 0)
         continue;
@@ -66,11 +67,11 @@ std::optional<Sensitivities::DifferenceError> Sensitivities::differenceAt(const 
 }
 
 template <class Function> bool Sensitivities::difference(const Function &function, double scale, int count, double *derivative) {
-  return differenceAt(function, differenceStep / scale, 0, count, derivative).has_value();
+  return differenceAt(function, differenceStep / scale, nullptr, count, derivative).has_value();
 }
 
 template <class Function>
-std::optional<double> Sensitivities::differenceOfSmooth(const Function &function, double scale, double magnitude, int count,
+std::optional<double> Sensitivities::differenceOfSmooth(const Function &function, double scale, const double *magnitudes, int count,
                                                         double *derivative) {
   // Truncation errors: one that no shorter step is tried for; one up to which it tells the function's scale, so that the next step is to
   // have the difference `aim` between orders 2 and 4. Of the steps' lengths: the shortest and the longest part of the one before. What is
@@ -78,13 +79,13 @@ std::optional<double> Sensitivities::differenceOfSmooth(const Function &function
   constexpr double good = 1e-11, unknown = 1e-2, aim = 1e-6, shortest = 1e-3, longest = 0.1, worthwhile = 0.25;
   constexpr int mostPasses = 6;
   double h = differenceStep / scale, shortening = 1;
-  std::optional<DifferenceError> error = differenceAt(function, h, magnitude, count, derivative);
+  std::optional<DifferenceError> error = differenceAt(function, h, magnitudes, count, derivative);
   finer_.resize(static_cast<std::size_t>(count));
   for (int pass = 0; pass < mostPasses && !(error && error->truncation <= good); ++pass) {
     // Far beyond a function's own scale nothing tells how far.
     const bool isKnown = error && error->truncation < unknown;
     h *= isKnown ? std::clamp(std::sqrt(aim / std::sqrt(error->truncation)), shortest, longest) : shortest;
-    const std::optional<DifferenceError> finer = differenceAt(function, h, magnitude, count, finer_.data());
+    const std::optional<DifferenceError> finer = differenceAt(function, h, magnitudes, count, finer_.data());
     const bool isBetter = finer && !(error && finer->total >= error->total);
     if (isKnown && !(isBetter && finer->total <= worthwhile * error->total))
       break;

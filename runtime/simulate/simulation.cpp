@@ -203,6 +203,8 @@ tf_status Simulation::Implementation::shortenToDefined(DetectedEvent &event) {
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
+  if (const int guard = chatteringSlip(); guard >= 0)
+    return stopLingering(guard, limit);
   // Where the interpolant is worse than the step, this ends at the sample.
   const double farthest = integrators_.current().holdsToleranceInside() ? limit : std::min(limit, nextSample_);
   StepStatus status = integrators_.current().step(detection_.stepLimit(farthest));
@@ -353,6 +355,14 @@ double Simulation::time() const { return implementation_->time_; }
 double Simulation::tau() const { return implementation_->state_.back(); }
 
 void Simulation::values(double *all) { implementation_->values(all); }
+
+std::vector<std::int32_t> Simulation::differentiatedBy() const {
+  const Sensitivities *sensitivities = implementation_->sensitivities_.get();
+  std::vector<std::int32_t> variables(sensitivities == nullptr ? 0 : static_cast<std::size_t>(sensitivities->columnCount()));
+  for (std::size_t column = 0; column < variables.size(); ++column)
+    variables[column] = sensitivities->variableOf(static_cast<int>(column));
+  return variables;
+}
 
 bool Simulation::sensitivity(int column, double *all) { return implementation_->sensitivity(column, all); }
 

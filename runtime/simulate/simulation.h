@@ -54,6 +54,8 @@ public:
   [[nodiscard]] double tau() const;
   // model->variable_count values in the order of the table of variables.
   void values(double *all);
+  // Numbers of the variables by which this run is differentiated.
+  [[nodiscard]] std::vector<std::int32_t> differentiatedBy() const;
   // Derivatives of all variables by options.sensitivities[column] (the mode is held). False: they cannot be evaluated here.
   bool sensitivity(int column, double *all);
   // The same just before the latest event; called from onEvent only.

@@ -2,7 +2,6 @@
 #include "runtime/simulate/simulation_implementation.h"
 
 #include <cstring>
-#include <limits>
 
 namespace tf::runtime {
 
@@ -17,6 +16,11 @@ template <class Field> void Simulation::Implementation::forContinuation(Continua
   vector(more.energy);
   vector(more.impacts);
   vector(more.sensitivities);
+  vector(more.inputs);
+  field(&more.hasInputsToTake, sizeof more.hasInputsToTake);
+  field(&more.hasFailed, sizeof more.hasFailed);
+  field(&openTimeEvent_, sizeof openTimeEvent_);
+  field(&areSensitivitiesLost_, sizeof areSensitivitiesLost_);
   field(&isShareLost_, sizeof isShareLost_);
   vector(state_);
   vector(impulse_);
@@ -38,6 +42,7 @@ Simulation::Implementation::Continuation Simulation::Implementation::continuatio
   more.energy.resize(energy_ ? 1 : 0);
   more.impacts.resize(rest_.numberCount());
   more.sensitivities.resize(sensitivities_ ? sensitivities_->numberCount() : 0);
+  more.inputs.resize(model_.nu);
   return more;
 }
 
@@ -55,6 +60,9 @@ void Simulation::Implementation::save(void *buffer) {
   rest_.write(more.impacts.data());
   if (sensitivities_)
     sensitivities_->write(more.sensitivities.data());
+  inputs_.evaluate(time_, at_.segment(), more.inputs.data(), nullptr);
+  more.hasInputsToTake = inputs_.revision() != inputRevision_;
+  more.hasFailed = !error_.empty();
   auto *out = static_cast<unsigned char *>(buffer);
   forContinuation(more, [&out](const void *data, std::size_t bytes) {
     if (bytes > 0)
@@ -67,18 +75,18 @@ void Simulation::Implementation::save(void *buffer) {
 }
 
 // The saved point is where both continuations do.
-bool Simulation::Implementation::beginAnew() {
+void Simulation::Implementation::beginAnew() {
   at_.screen().forget();
   dynamics_.forget();
   integrators_.forget();
   lingeringSteps_ = 0;
   switchProgress_.start(model_.ns);
   redundancy_.forgetChoice();
+  // Where it cannot start, inputs have become others or the run has failed: the mode is chosen anew before it goes on.
   if (!dynamics_.start(mode_, time_, state_.data(), rate_.data()))
-    return false;
+    return;
   redundancy_.choose(state_.data());
   startMode();
-  return true;
 }
 
 void Simulation::Implementation::restore(const void *buffer) {
@@ -94,11 +102,15 @@ void Simulation::Implementation::restore(const void *buffer) {
   rest_.read(more.impacts.data());
   if (sensitivities_)
     sensitivities_->read(more.sensitivities.data());
-  error_.clear();
-  areSensitivitiesLost_ = false;
-  openTimeEvent_ = std::numeric_limits<double>::quiet_NaN();
+  error_ = more.hasFailed ? "the restored state is that of a run that had failed" : "";
   enterSegment();
-  modeValid_ = beginAnew();
+  // Inputs other than those that the mode was chosen with: they had been set before the state was saved, or tables are other ones here.
+  std::vector<double> inputs(more.inputs.size());
+  inputs_.evaluate(time_, at_.segment(), inputs.data(), nullptr);
+  if (more.hasInputsToTake || inputs != more.inputs)
+    inputRevision_ = noRevision;
+  modeValid_ = true;
+  beginAnew();
 }
 
 }  // namespace tf::runtime

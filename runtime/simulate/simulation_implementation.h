@@ -69,7 +69,8 @@ public:
   bool isInSample_ = false;                                       // time_ and state_ are those of a sample
   double switchTime_ = -std::numeric_limits<double>::infinity();  // of the last switch
   double jamTime_ = -std::numeric_limits<double>::infinity();     // of the last contact that has jammed
-  std::uint64_t inputRevision_ = 0;
+  static constexpr std::uint64_t noRevision = std::numeric_limits<std::uint64_t>::max();
+  std::uint64_t inputRevision_ = 0;  // of the inputs that the mode was chosen with
   EventProgress progress_;
   int lastElement_ = -1;  // of the last event (Transition)
   SwitchProgress switchProgress_;
@@ -104,6 +105,8 @@ private:
   struct Continuation {
     std::vector<EnergyTotals> energy;            // one, or none without account of it
     std::vector<double> impacts, sensitivities;  // RestPrediction; the numbers of those that there are
+    std::vector<double> inputs;                  // nu values
+    bool hasInputsToTake = false, hasFailed = false;
   };
 
   // simulation_start.cpp
@@ -119,7 +122,7 @@ private:
   Continuation continuation() const;
   // Calls `field`(data, bytes) for all that continuation depends on, in order.
   template <class Field> void forContinuation(Continuation &more, const Field &field);
-  bool beginAnew();
+  void beginAnew();
 
   // simulation.cpp
   tf_status fail(std::string text);
@@ -205,7 +208,9 @@ private:
   double turnsBefore(const DetectedEvent &event);
   void aimDirections(const DetectedEvent &event, double part);
   double lingeringSpeed();
+  int slowSlip(double least);
   int lingeringSlip();
+  int chatteringSlip();
   tf_status stopLingering(int guard, double limit);
   tf_status followTurn(const DetectedEvent &event, double limit);
   tf_status approach(const DetectedEvent &event, double limit);

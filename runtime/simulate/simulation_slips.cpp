@@ -164,21 +164,40 @@ tf_status Simulation::Implementation::differentiateStop() {
   return TF_OK;
 }
 
-// The guard of a slip of two components that for many steps has not been faster than the errors that the tolerance allows, −1: none. The
-// direction of one so slow is no more than an error, and steps of implicit methods have solutions in which it neither stops nor starts.
+// The guard of a slip of two components that is not faster than the errors that the tolerance allows, but faster than `least` parts of its
+// scale; −1: none. The direction of one so slow is no more than an error.
+int Simulation::Implementation::slowSlip(double least) {
+  const double part = lingeringSpeed();
+  const std::vector<Guard> &guards = dynamics_.guards();
+  for (int k = 0; k < static_cast<int>(guards.size()); ++k) {
+    if (guards[k].kind != GuardKind::SlipAlong)
+      continue;
+    const double speed = dynamics_.slipSpeed(k), scale = dynamics_.slipScale(k);
+    if (speed <= part * scale && speed >= least * scale)
+      return k;
+  }
+  return -1;
+}
+
+// One that has been so for many steps: those of implicit methods have solutions in which it neither stops nor starts.
 int Simulation::Implementation::lingeringSlip() {
   constexpr int most = 200;
   if (!dynamics_.hasTurningSlips())
     return -1;
-  const double part = lingeringSpeed();
-  const std::vector<Guard> &guards = dynamics_.guards();
-  int found = -1;
-  for (std::size_t k = 0; k < guards.size() && found < 0; ++k)
-    if (const int slip = static_cast<int>(k);
-        guards[k].kind == GuardKind::SlipAlong && dynamics_.slipSpeed(slip) <= part * dynamics_.slipScale(slip))
-      found = slip;
+  const int found = slowSlip(0);
   lingeringSteps_ = found >= 0 ? lingeringSteps_ + 1 : 0;
   return lingeringSteps_ > most ? found : -1;
+}
+
+// One where events follow each other at once: friction that has the direction of errors ends modes again and again. A slip that is zero
+// has just begun.
+int Simulation::Implementation::chatteringSlip() {
+  constexpr int most = 50;
+  if (progress_.count <= most + progress_.elements || !dynamics_.hasTurningSlips())
+    return -1;
+  at_.setPoint(time_, state_.data());
+  at_.switching(ModelEvaluation::Slips);
+  return slowSlip(10 * selection_.tolerances().velocity);
 }
 
 // It becomes zero: what follows is a stick, or a slip that starts from zero.

@@ -163,6 +163,33 @@ end Pulled;
   });
 }
 
+// A body that a force F sin(ω t) moves once in every half period and that friction of 1 holds in between: steps over the rest of the time
+// begin and end anywhere in a period.
+TEST(FastGuards, NoSlipUnderAPeriodicForceIsPassedOver) {
+  const std::string file = sourceFile("pushed_now_and_then.tf", R"(
+model Push
+  parameter Real F = 1.2, om = 7;
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  force push(value = F*sin(om*time), at = x);
+  friction dry(slip = der(x), bound = 1);
+end Push;
+)");
+  std::mt19937 random(20);
+  const auto between = [&random](double low, double high) { return low + (high - low) * (static_cast<double>(random()) / 4294967296.0); };
+  for (int draw = 0; draw < 100; ++draw) {
+    const double force = between(1.02, 1.4), frequency = between(3, 60), tolerance = std::pow(10.0, between(-10, -3));
+    const double halfPeriods = std::floor(between(10, 100)) + 0.75, end = halfPeriods * pi / frequency;
+    for (const tf_integrator integrator : integrators) {
+      CompiledModel model(file, {{"F", force}, {"om", frequency}});
+      model.tolerance(tolerance).integrator(integrator);
+      model.run(end);
+      const auto slips = static_cast<int>(std::floor((frequency * end - std::asin(1 / force)) / pi)) + 1;
+      EXPECT_EQ(model.count(TF_EVENT_SLIP), slips) << force << ' ' << frequency << ' ' << end << ' ' << tolerance << ' ' << integrator;
+    }
+  }
+}
+
 // A floor that shakes under a body which flies by: it is hit where the floor is high.
 TEST(FastGuards, FloorThatShakes) {
   // y = 1 − g t²/2 over 0.01 sin(1000 t).

@@ -275,5 +275,45 @@ end DriveThatTurns;
     });
 }
 
+// x' = −2 sgn x − k sin t slides on x = 0 and leaves it where |k sin t| = 2: there the rate begins at zero, as a difference of large terms
+// that rounding gives a sign.
+TEST(SlidingModes, AreLeftAgainAndAgain) {
+  const std::string ofState = sourceFile("sliding_of_a_state.tf", R"(
+model A
+  parameter Real k = 2.5;
+  Real x(start = 0, fixed = true);
+equation
+  der(x) = -2*sign(x) - k*sin(time);
+end A;
+)"),
+                    ofVelocity = sourceFile("sliding_of_a_velocity.tf", R"(
+model A
+  parameter Real k = 2.5, m = 0.7;
+  coordinate Real s;
+  Real x = der(s);
+  body b(mass = m, position = s);
+  force f(value = -m*(2*sign(der(s)) + k*sin(time)), at = s);
+end A;
+)");
+  constexpr double pi = 3.14159265358979323846;
+  for (const std::string &file : {ofState, ofVelocity})
+    for (const double k : {2.1, 2.5, 2.92126, 3.3})
+      for (const double tolerance : {1e-6, 1e-9, 1e-11})
+        for (const tf_integrator integrator : integrators) {
+          CompiledModel model(file, {{"k", k}});
+          model.tolerance(tolerance).integrator(integrator);
+          model.initialise();
+          const double leaves = std::asin(2 / k);
+          int slides = 0;
+          for (int period = 0; period < 16; ++period) {
+            const double t = leaves + period * pi + 0.7, sign = period % 2 == 0 ? -1 : 1;
+            ASSERT_NO_THROW(model.advance(t)) << k << ' ' << tolerance << ' ' << integrator;
+            EXPECT_NEAR(model["x"], sign * (k * (std::cos(leaves) - std::cos(leaves + 0.7)) - 2 * 0.7), 20 * tolerance);
+            ++slides;
+          }
+          EXPECT_EQ(model.count(TF_EVENT_SLIDING), slides - 1);
+        }
+}
+
 }  // namespace
 }  // namespace tf::test

@@ -63,6 +63,43 @@ INSTANTIATE_TEST_SUITE_P(
                               "NaN in the bound of friction element 'c' (", 0.47, 0.53}),
     [](const auto &tested) { return std::string(tested.param.name); });
 
+// Forces on what friction or the floor holds: no choice of a mode is possible with them.
+class UndefinedForces : public testing::TestWithParam<std::pair<const char *, const char *>> {};
+
+TEST_P(UndefinedForces, EndTheRunWhereTheyBegin) {
+  const auto &[name, elements] = GetParam();
+  for (const auto &[value, text] :
+       {std::pair("sqrt(-1 - time)", "NaN"), std::pair("10*1e308", "infinity"),
+        std::pair("if time < 0.5 then 0 else sqrt(0.4 - time)", "NaN"), std::pair("if time < 0.5 then 0 else 10*1e308", "infinity")}) {
+    const bool isLate = std::string(value).starts_with("if");
+    const std::string file = sourceFile(std::string("undefined_force_") + name + text + (isLate ? "_late" : "") + ".tf",
+                                        "model A\n  coordinate Real x, y, z;\n  body b(mass = 1, position = {x, y, z});\n"
+                                        "  gravity g(acceleration = {0, 0, -9.81});\n  force f(value = {" +
+                                            std::string(value) + ", 0, 0}, at = {x, y, z});\n  " + elements + ";\nend A;\n");
+    for (const tf_integrator integrator : integrators) {
+      CompiledModel model(file);
+      model.tolerance(1e-6).integrator(integrator);
+      try {
+        model.run(1);
+        ADD_FAILURE() << name << ": no error with " << value << ", integrator " << integrator;
+      } catch (const std::runtime_error &error) {
+        EXPECT_NE(std::string(error.what()).find(std::string(text) + " in 'der(der(x))'"), std::string::npos) << error.what();
+      }
+      if (isLate) {
+        EXPECT_NEAR(model.time(), 0.5, 1e-12) << name;
+      }
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Elements, UndefinedForces,
+                         testing::Values(std::pair("friction", "friction c(slip = der(x), bound = 1)"),
+                                         std::pair("friction_of_two", "friction c(slip = {der(x), der(y)}, bound = 1)"),
+                                         std::pair("floor", "contact c(gap = z)"),
+                                         std::pair("rough_floor", "contact c(gap = z, slip = der(x), friction = 1)"),
+                                         std::pair("rough_floor_in_space", "contact c(gap = z, slip = {der(x), der(y)}, friction = 1)")),
+                         [](const auto &tested) { return std::string(tested.param.first); });
+
 // A block at rest, pulled by time/2, whose friction √(1 − time) can no longer hold it from 2√2 − 2 on.
 class UndefinedLimits : public testing::TestWithParam<std::pair<const char *, const char *>> {};
 
