@@ -297,26 +297,6 @@ void ModeDynamics::accelerationTerms(double *terms) {
   }
 }
 
-void ModeDynamics::conditionRates(double *rates) {
-  const tf_model &model = at_.model();
-  const int nx = at_.columns();
-  std::vector<double> &qDot = shifted_;
-  at_.kinematics(qDot.data());
-  for (std::size_t s = 0; s < sliding_.size(); ++s) {
-    const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(sliding_[s]) * nx;
-    double sum = 0;
-    for (int i = 0; i < model.nq; ++i)
-      sum += *row++ * qDot[i];
-    for (int i = 0; i < model.nv; ++i)
-      sum += *row++ * at_.acceleration[i];
-    for (int i = 0; i < model.nz; ++i)
-      sum += *row++ * at_.stateRate[i];
-    for (int i = 0; i < model.nu; ++i)
-      sum += *row++ * at_.inputRate[i];
-    rates[s] = sum + *row;
-  }
-}
-
 void ModeDynamics::response(const double *forceChange, const double *constraintChange, const double *biasChange, const double *limitChange,
                             double *accelerationChange, const ShareRates *shares) {
   at_.mobility.accelerate(forceChange, constraintChange, accelerationChange);
@@ -330,51 +310,6 @@ void ModeDynamics::response(const double *forceChange, const double *constraintC
     std::fill(limitChange_.begin(), limitChange_.end(), 0.0);
   forces_.forceRates(rowChange_, limitChange_, forceChange_, shares);
   rows_.accelerate(forceChange_.data(), accelerationChange);
-}
-
-// Newton's method for d c_j/dt (alpha) = 0; one iteration where f is affine in the sliding step variables.
-bool ModeDynamics::solveSliding() {
-  const tf_model &model = at_.model();
-  const int count = static_cast<int>(sliding_.size());
-  const int nx = at_.columns();
-  at_.switchGradients(slidingMask_.data());
-  double previous = std::numeric_limits<double>::infinity();
-  for (int iteration = 0; iteration < 30; ++iteration) {
-    conditionRates(slidingResidual_.data());
-    at_.stepDerivatives();
-    for (int k = 0; k < count; ++k) {
-      std::vector<double> &column = minus_;
-      for (int i = 0; i < model.nv; ++i)
-        column[i] = at_.forceByStep[i * model.ns + sliding_[k]];
-      response(column.data(), nullptr, nullptr, nullptr, change_.data());
-      for (int s = 0; s < count; ++s) {
-        const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(sliding_[s]) * nx + model.nq;
-        double sum = 0;
-        for (int i = 0; i < model.nv; ++i)
-          sum += row[i] * change_[i];
-        for (int i = 0; i < model.nz; ++i)
-          sum += row[model.nv + i] * at_.stateRateByStep[i * model.ns + sliding_[k]];
-        slidingMatrix_(s, k) = sum;
-      }
-    }
-    slidingFactor_.compute(slidingMatrix_);
-    const Eigen::Map<Eigen::VectorXd> residual(slidingResidual_.data(), count);
-    const Eigen::VectorXd step = slidingFactor_.solve(residual);
-    if (!step.allFinite())
-      return fail(EvaluationFailure::SlidingDiverged);
-    for (int k = 0; k < count; ++k)
-      at_.stepVariable[sliding_[k]] -= step[k];
-    at_.forces();
-    if (!solveForces())
-      return false;
-    const double size = step.lpNorm<Eigen::Infinity>();
-    if (size <= 1e-15 || (size >= previous && size <= 1e-12))
-      return true;
-    if (count == 1 && iteration == 1 && size <= 1e-13)
-      return true;
-    previous = size;
-  }
-  return fail(EvaluationFailure::SlidingDiverged);
 }
 
 bool ModeDynamics::evaluate(double time, const double *state, double *rate) {

@@ -75,6 +75,8 @@ public:
   bool hold(const Mode &mode, double time, const double *state);
   // dy/dt; forces, accelerations and step variables are in model() afterwards. False: see failure().
   bool evaluate(double time, const double *state, double *rate);
+  // After an evaluation, and of the gradient of condition j: by how much d c_j/dt differs between the sides of its switch.
+  double slopeJump(int j);
   // Of the last evaluation.
   [[nodiscard]] EvaluationFailure failure() const { return failure_; }
   // False: what the choice of a mode has met at the evaluation's point before there was one to evaluate, for failure().
@@ -297,6 +299,9 @@ private:
   // all bounds, or changed their signs there (0).
   [[nodiscard]] bool isNearSharedPole(double part) const;
   [[nodiscard]] std::span<const double> marginValues() const { return isFolded_ ? folded_.marginValues() : forces_.marginValues(); }
+  void findLimitSteps(int j, Eigen::Ref<Eigen::VectorXd> steps);
+  void readLimits();
+  double slopeByStep(int s, int j, const Eigen::Ref<const Eigen::VectorXd> &limitSteps);
   bool solveSliding();
   // Change of acceleration for a change of f, of the constraints' and of the rows' bias and of the rows' limits, at fixed M, H and D;
   // `shares` (may be null): as redundant rows share their load in the end.
@@ -366,7 +371,7 @@ private:
   std::vector<double> change_, constraintChange_, rowChange_, forceChange_, limitChange_, slidingResidual_, plus_, minus_, shifted_;
   std::vector<const double *> heldRows_;
   SemidefiniteFactor heldFactor_;
-  Eigen::MatrixXd slidingMatrix_;
+  Eigen::MatrixXd slidingMatrix_, limitSteps_;
   Eigen::PartialPivLU<Eigen::MatrixXd> slidingFactor_;
 };
 

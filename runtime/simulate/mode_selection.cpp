@@ -453,23 +453,6 @@ void ModeSelection::holdRows(double time, const double *state) {
   }
 }
 
-// By how much d c/dt of switch j differs between its sides, without the contacts' part in it. The gradient has been evaluated.
-double ModeSelection::slopeJump(int j) {
-  const tf_model &model = at_.model();
-  const double *row = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(j) * at_.columns() + model.nq;
-  at_.stepDerivatives();
-  std::vector<double> byStep(model.nv), rate(model.nv);
-  for (int i = 0; i < model.nv; ++i)
-    byStep[i] = at_.forceByStep[i * model.ns + j];
-  at_.mobility.accelerate(byStep.data(), nullptr, rate.data());
-  double jump = 0;
-  for (int i = 0; i < model.nv; ++i)
-    jump += row[i] * rate[i];
-  for (int i = 0; i < model.nz; ++i)
-    jump += row[model.nv + i] * at_.stateRateByStep[i * model.ns + j];
-  return std::abs(jump);
-}
-
 // Signs of d c/dt on the surfaces agree with the sides that were assigned. What contacts hold has rates of rounding, compared with those
 // that it would have without them. So has the side to which a surface is left that a motion has slid on: its rate begins at zero, a
 // difference of terms that may be as large as that between the sides.
@@ -505,7 +488,7 @@ bool ModeSelection::conditionsHold(double time, const double *state) {
     stays_[s] = std::abs(slope) <= rounding * std::max(size, freeSize) ? 1 : 0;
     double tolerance = std::max(1e-10 * std::max(size, 1e-300), rounding * freeSize);
     if (j == left_)
-      tolerance = std::max(tolerance, outsideSteps * slopeJump(j));
+      tolerance = std::max(tolerance, outsideSteps * dynamics_.slopeJump(j));
     if (mode_.switches[j] == Switch::One && slope < -tolerance)
       return false;
     if (mode_.switches[j] == Switch::Zero && slope > tolerance)

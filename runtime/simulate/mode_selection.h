@@ -121,7 +121,6 @@ private:
   Trial solveContacts(double time, const double *state);
   bool startMode(double time, const double *state);
   void holdRows(double time, const double *state);
-  double slopeJump(int j);
   bool conditionsHold(double time, const double *state);
   void writeMode(const ContactMode &contacts);
   void readPrevious(const Mode &previous);

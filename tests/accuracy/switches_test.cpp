@@ -315,5 +315,30 @@ end A;
         }
 }
 
+// Friction that doubles at a speed, under a drive that grows as 1 + t/2: the speed reaches 0.5 at √2 and stays there until the drive is 2.
+TEST(SlidingModes, HoldASpeedAtWhichFrictionGrows) {
+  for (const char *friction : {"friction c(slip = der(x), bound = if der(x) > 0.5 then 2 else 1)",
+                               "friction c(slip = der(x) + 10, bound = if der(x) > 0.5 then 2 else 1)",
+                               "friction c(slip = {der(x), der(z)}, bound = if der(x) > 0.5 then 2 else 1)"}) {
+    const std::string file =
+        sourceFile("friction_that_grows.tf", "model A\n  coordinate Real x, y, z;\n  body b(mass = 1, position = {x, y, z});\n"
+                                             "  force f(value = {1 + time/2, 0, 0}, at = {x, y, z});\n  " +
+                                                 std::string(friction) + ";\nend A;\n");
+    for (const double tolerance : {1e-6, 1e-10})
+      withEachIntegrator(file, tolerance, 1, [&](CompiledModel &model) {
+        SCOPED_TRACE(std::string(friction) + " at " + std::to_string(tolerance));
+        const double allowed = 20 * tolerance;
+        EXPECT_NEAR(model["der(x)"], 0.25, allowed);
+        model.advance(1.9);
+        EXPECT_NEAR(model["der(x)"], 0.5, allowed);
+        EXPECT_NEAR(model["x"], std::pow(2, 1.5) / 12 + 0.5 * (1.9 - std::sqrt(2.0)), allowed);
+        model.advance(3);
+        EXPECT_NEAR(model["der(x)"], 0.75, allowed);
+        EXPECT_EQ(model.count(TF_EVENT_SLIDING), 1);
+        EXPECT_NEAR(model.eventTime(TF_EVENT_SLIDING), std::sqrt(2.0), allowed);
+      });
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
