@@ -33,6 +33,27 @@ HeldRate largestHeldRate(ModelEvaluation &at, const Mode &mode, double time, con
   return largest;
 }
 
+HeldRate largestHeldValue(ModelEvaluation &at, const Mode &mode, double time, const double *state) {
+  const tf_model &model = at.model();
+  HeldRate largest;
+  const auto compare = [&largest](HeldRate::Kind kind, int element, double value, double scale) {
+    if (!(std::abs(value) <= largest.size))
+      largest = {kind, element, std::abs(value), scale};
+  };
+  at.setPoint(time, state);
+  at.switchingOfAll(ModelEvaluation::Gaps);
+  for (int i = 0; i < model.nc; ++i)
+    if (mode.closed[i])
+      compare(HeldRate::Kind::Gap, i, at.gap[i], at.scales.gap(i, state));
+  if (model.nh > 0)
+    at.constraintResiduals();
+  for (int k = 0; k < model.nk; ++k)
+    for (int row = model.constraints[k].row_first, end = row + model.constraints[k].row_count; row < end && model.constraints[k].holonomic;
+         ++row)
+      compare(HeldRate::Kind::Constraint, k, at.residual[row], at.scales.residual(row));
+  return largest;
+}
+
 std::string nameOf(const tf_model &model, const HeldRate &rate) {
   const auto text = [](std::string_view what, const auto &element) {
     return fmt::format("{} '{}' {}", what, element.name, sourceOf(element.location));

@@ -18,6 +18,8 @@ struct HeldRate {
 
 // The largest of them at (time, state), which becomes the evaluation's point.
 [[nodiscard]] HeldRate largestHeldRate(ModelEvaluation &at, const Mode &mode, double time, const double *state);
+// The same of the gaps and residuals themselves.
+[[nodiscard]] HeldRate largestHeldValue(ModelEvaluation &at, const Mode &mode, double time, const double *state);
 
 // "the gap of contact 'c' (file:line)"
 [[nodiscard]] std::string nameOf(const tf_model &model, const HeldRate &rate);

@@ -9,6 +9,7 @@
 #include "runtime/simulate/event_detection.h"
 #include "runtime/simulate/event_progress.h"
 #include "runtime/simulate/failure_texts.h"
+#include "runtime/simulate/held_rates.h"
 #include "runtime/simulate/impact.h"
 #include "runtime/simulate/integrators.h"
 #include "runtime/simulate/invariants.h"
@@ -152,6 +153,7 @@ private:
   tf_status projectEnd();
   bool isSuspicious(double correction);
   tf_status checkJump();
+  tf_status checkJumpOf(HeldRate (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *), const char *text);
   void noteRedundancy();
   tf_status startConstraints();
   tf_status chooseConstraints();

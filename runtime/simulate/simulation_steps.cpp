@@ -1,5 +1,4 @@
 // The ends of an integrator's steps: projection, constraints, and what ends a run inside a step.
-#include "runtime/simulate/held_rates.h"
 #include "runtime/simulate/simulation_implementation.h"
 
 #include <fmt/format.h>
@@ -98,34 +97,43 @@ bool Simulation::Implementation::isSuspicious(double correction) {
   return correction > std::min(100 * tolerance, 0.01) || correction > 0.1 * motion * (integrator.endTime() - integrator.beginTime());
 }
 
-// Does a derivative of a gap, slip or constraint that the mode holds jump inside the step, and a little beyond its ends? Then its rate
-// does, along the first order of the motion, and the run ends there: the rows of the mode are those of one side.
+// Does a gap, slip or constraint that the mode holds, or a derivative of it, jump inside the step, and a little beyond its ends? Then it
+// does, or its rate, along the first orders of the motion, and the run ends there: the rows of the mode are those of one side.
 tf_status Simulation::Implementation::checkJump() {
+  if (const tf_status status = checkJumpOf(largestHeldRate, "the derivative of {} jumps at t = {:.10g}"); status != TF_OK)
+    return status;
+  return checkJumpOf(largestHeldValue, "{} jumps at t = {:.10g}");
+}
+
+tf_status Simulation::Implementation::checkJumpOf(HeldRate (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *),
+                                                  const char *text) {
   constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 0.25, nearby = 1e-10, rounding = 1e-9;
   SmoothIntegrator &integrator = integrators_.current();
   const double begin = integrator.beginTime();
+  const bool hasVelocities = model_.kinematics == nullptr;
   interpolated_.assign(integrator.begin(), integrator.begin() + n_);
-  const auto rateAt = [&](double time) {
+  const auto heldAt = [&](double time) {
+    const double passed = time - begin, *rate = integrator.beginRate();
     for (int k = 0; k < model_.nq; ++k)
-      interpolated_[k] = integrator.begin()[k] + (time - begin) * integrator.beginRate()[k];
-    return largestHeldRate(at_, mode_, time, interpolated_.data());
+      interpolated_[k] = integrator.begin()[k] + passed * (rate[k] + (hasVelocities ? 0.5 * passed * rate[model_.nq + k] : 0));
+    return largestHeld(at_, mode_, time, interpolated_.data());
   };
   const double reach = std::max(beyond * (integrator.endTime() - begin), nearby * std::abs(begin));
-  double low = begin - reach, high = integrator.endTime() + reach, before = rateAt(low).size;
-  HeldRate after = rateAt(high);
+  double low = begin - reach, high = integrator.endTime() + reach, before = heldAt(low).size;
+  HeldRate after = heldAt(high);
   const double middle = 0.5 * (before + after.size);
   while (high - low > resolution * std::max(std::abs(high), high - begin)) {
     const double time = 0.5 * (low + high);
-    const HeldRate rate = rateAt(time);
-    (rate.size > middle ? high : low) = time;
-    if (rate.size > middle)
-      after = rate;
+    const HeldRate held = heldAt(time);
+    (held.size > middle ? high : low) = time;
+    if (held.size > middle)
+      after = held;
     else
-      before = rate.size;
+      before = held.size;
   }
   at_.setPoint(integrator.endTime(), integrator.end());
   if (after.size - before > std::max(0.5 * after.size, rounding * after.scale))
-    return fail(fmt::format("the derivative of {} jumps at t = {:.10g}", nameOf(model_, after), low));
+    return fail(fmt::format(fmt::runtime(text), nameOf(model_, after), low));
   return TF_OK;
 }
 

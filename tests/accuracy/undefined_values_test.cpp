@@ -7,6 +7,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <tuple>
 #include <utility>
 
 namespace tf::test {
@@ -246,6 +247,37 @@ end FlatRod;
       EXPECT_NEAR(model["phi"], 0, 0.1);
       EXPECT_NEAR(model.energy(), 0.5 * 9.81 * std::sin(0.3), std::max(1e-8, 10 * tolerance));
     }
+}
+
+// A ground or a rail that jumps at a place, which smooth() hides: no body follows it.
+TEST(JumpOfAHeldGap, EndsTheRun) {
+  for (const auto &[jump, element, text] :
+       {std::tuple("0.1", "contact c(gap = y - h, slip = der(x), friction = 0.1)", "the gap of contact 'c' ("),
+        std::tuple("-0.1", "contact c(gap = y - h, slip = der(x), friction = 0.1)", "the gap of contact 'c' ("),
+        std::tuple("0.1", "constraint c(residual = y - h)", "constraint 'c' ("),
+        std::tuple("2e-3", "constraint c(residual = y - h)", "constraint 'c' (")}) {
+    const std::string file = sourceFile(std::string("jumping_ground") + jump + element[1] + ".tf",
+                                        "model A\n  coordinate Real x(start = -1, der(start = 2)), y;\n"
+                                        "  Real h = smooth(2, if x < 0 then 0 else " +
+                                            std::string(jump) +
+                                            ");\n  body b(mass = 1, position = {x, y});\n"
+                                            "  gravity g(acceleration = {0, -9.81});\n  " +
+                                            element + ";\nend A;\n");
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-5, 1e-8}) {
+        CompiledModel model(file);
+        model.tolerance(tolerance).integrator(integrator);
+        try {
+          model.run(1);
+          ADD_FAILURE() << "no error with integrator " << integrator << ", tolerance " << tolerance;
+        } catch (const std::runtime_error &error) {
+          EXPECT_NE(std::string(error.what()).find(text), std::string::npos) << error.what();
+          EXPECT_NE(std::string(error.what()).find("jumps at t = 0.5"), std::string::npos) << error.what();
+        }
+        EXPECT_NEAR(model["y"], 0, 1e-9);
+        EXPECT_LT(model["x"], 1e-6);
+      }
+  }
 }
 
 }  // namespace
