@@ -117,6 +117,7 @@ tf_status Simulation::Implementation::commit() {
   // Directions that are held where a slip stops do not turn for motions nearby, whose slips do.
   if (sensitivities_)
     dynamics_.holdDirections(0);
+  const int jumping = sensitivities_ ? jumpingRate() : -1;
   const bool differentiated = passSamples();
   const double begin = time_;
   if (const std::string text = integrators_.account(integrator.endTime() - begin, statistics_); !text.empty())
@@ -133,10 +134,18 @@ tf_status Simulation::Implementation::commit() {
         sensitivities_->isShareUnknown()
             ? "a motion that depends on how redundant contacts share their load within the friction of those that stick,"
             : "the step that ends");
+  if (jumping >= 0)
+    return failSensitivities(fmt::format("a jump of '{}' that no event shows, as `noEvent` and `smooth` hide it,", nameOfRate(jumping)));
   if (isShareLost_ && time_ - begin > owner_.options.tolerance * std::max(1.0, time_ - progress_.begin))
     return failSensitivities("contacts that come to rest while others slide and the motion depends on how they share their load,");
   noteRedundancy();
   return TF_OK;
+}
+
+// Of an acceleration or the derivative of a state.
+std::string Simulation::Implementation::nameOfRate(int component) const {
+  const int state = component - model_.nq - model_.nv;
+  return state < 0 ? instance_.nameOf(TF_KIND_ACCELERATION, component - model_.nq) : instance_.nameOf(TF_KIND_STATE_DERIVATIVE, state);
 }
 
 // Shorter than any integrator can step: the state moves along its rate.

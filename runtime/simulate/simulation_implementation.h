@@ -136,6 +136,7 @@ private:
   bool takeOver(SmoothIntegrator &integrator, IntegratorReason reason);
   void note(tf_note_kind kind, double time, const std::string &text);
   void enterSegment();
+  [[nodiscard]] std::string nameOfRate(int component) const;
   bool skipTo(double limit);
   [[nodiscard]] std::string rapidSwitch();
   [[nodiscard]] std::string switchesWithoutEnd(int j) const;
@@ -153,6 +154,7 @@ private:
   tf_status projectEnd();
   bool isSuspicious(double correction);
   tf_status checkJump();
+  int jumpingRate();
   tf_status checkJumpOf(HeldRate (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *), const char *text);
   void noteRedundancy();
   tf_status startConstraints();

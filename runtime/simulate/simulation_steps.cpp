@@ -137,6 +137,63 @@ tf_status Simulation::Implementation::checkJumpOf(HeldRate (*largestHeld)(ModelE
   return TF_OK;
 }
 
+// The component of the rate that jumps inside the integrator's step, −1: none. What `noEvent` and `smooth` hide is no event; its time moves
+// with the motion all the same. Where friction turns with a slip that starts, it seems to jump.
+int Simulation::Implementation::jumpingRate() {
+  constexpr double visible = 1e-6, mixed = 1e-3, lopsided = 0.3, remaining = 0.5, alike = 0.2,
+                   resolution = 8 * std::numeric_limits<double>::epsilon();
+  SmoothIntegrator &integrator = integrators_.current();
+  if (dynamics_.hasTurningSlips())
+    return -1;
+  double low = integrator.beginTime(), high = integrator.endTime();
+  std::vector<double> first(integrator.beginRate(), integrator.beginRate() + n_), last(integrator.endRate(), integrator.endRate() + n_),
+      inside(first.size());
+  const auto readInside = [&](double time) {
+    integrator.interpolate(time, interpolated_.data());
+    return dynamics_.evaluate(time, interpolated_.data(), inside.data());
+  };
+  if (!readInside(0.5 * (low + high)))
+    return -1;
+  // What contacts hold is a difference of large terms, and has the rounding errors of others through M.
+  std::vector<double> terms = last;
+  dynamics_.accelerationTerms(terms.data() + model_.nq);
+  const double *scale = integrator.settings().scale.data();
+  double largest = 0;
+  for (int i = model_.nq; i < at_.tauIndex(); ++i)
+    largest = std::max(largest, terms[i] = std::max({std::abs(terms[i]), std::abs(first[i]), std::abs(last[i])}) / scale[i]);
+  int found = -1;
+  double most = visible;
+  for (int i = model_.nq; i < at_.tauIndex(); ++i) {
+    const double change = std::abs(last[i] - first[i]), size = std::max(terms[i], mixed * largest) * scale[i];
+    if (change > most * size && std::abs(inside[i] - 0.5 * (first[i] + last[i])) > lopsided * change) {
+      most = change / size;
+      found = i;
+    }
+  }
+  if (found < 0)
+    return -1;
+  const double whole = std::abs(last[found] - first[found]);
+  while (high - low > resolution * std::max(std::abs(high), high - low)) {
+    const double time = 0.5 * (low + high);
+    if (!(time > low && time < high) || !readInside(time))
+      break;
+    const bool isEarlier = std::abs(inside[found] - first[found]) > std::abs(last[found] - inside[found]);
+    (isEarlier ? high : low) = time;
+    (isEarlier ? last : first)[found] = inside[found];
+    if (std::abs(last[found] - first[found]) < remaining * whole)
+      return -1;
+  }
+  // Rounding errors of large terms may be as large, but on both sides alike.
+  for (const double part : {1e-4, 1e-3, 3e-3, 1e-2})
+    for (const bool isEarlier : {true, false}) {
+      const double distance = part * (integrator.endTime() - integrator.beginTime()), time = isEarlier ? low - distance : high + distance;
+      if (time > integrator.beginTime() && time < integrator.endTime() &&
+          !(readInside(time) && std::abs(inside[found] - (isEarlier ? first : last)[found]) < alike * whole))
+        return -1;
+    }
+  return found;
+}
+
 // Constraints that follow from others for the first time, at the evaluation's point, which is (time_, state_).
 void Simulation::Implementation::noteRedundancy() {
   if (!redundancy_.isPresent())

@@ -528,5 +528,34 @@ TEST(Sensitivities, OfWhatContactsHoldStayZero) {
   }
 }
 
+// The time of a jump that no event shows moves with the parameter: derivatives that leave that out would be wrong.
+TEST(Sensitivities, OverJumpsThatNoEventShowsAreRefused) {
+  const std::pair<const char *, const char *> cases[] = {
+      {"force f(value = noEvent(if x > L then -1 else 0), at = x);\n  contact floor(gap = y)", "'der(der(x))'"},
+      {"force f(value = smooth(2, if x > L then -2 else 1), at = x);\n  contact floor(gap = y)", "'der(der(x))'"},
+      {"contact c(gap = y - smooth(2, if x < L then 0 else 0.1*(x - L)^2), slip = der(x), friction = 0.1)", "'der(der("}};
+  int number = 0;
+  for (const auto &[element, name] : cases) {
+    ++number;
+    const std::string file = sourceFile("hidden_jump" + std::to_string(number) + ".tf",
+                                        "model A\n  parameter Real L = 0.5;\n  coordinate Real x(der(start = 2)), y;\n"
+                                        "  body b(mass = 1, position = {x, y});\n  gravity g(acceleration = {0, -9.81});\n  " +
+                                            std::string(element) + ";\nend A;\n");
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-5, 1e-9}) {
+        CompiledModel model(file);
+        model.tolerance(tolerance).integrator(integrator);
+        differentiateBy(model, {"L"});
+        try {
+          model.run(1);
+          ADD_FAILURE() << "no error: " << element << ", integrator " << integrator << ", tolerance " << tolerance;
+        } catch (const std::runtime_error &error) {
+          EXPECT_NE(std::string(error.what()).find("a jump of " + std::string(name)), std::string::npos) << error.what();
+        }
+        EXPECT_NEAR(model["x"], 0.5, 0.1);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
