@@ -144,7 +144,9 @@ private:
   bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth);
   // event_sampling.cpp
   Probe probe(int guard, double time);
+  [[nodiscard]] bool isBlindStep() const;
   bool readInside();
+  std::vector<double> cutsOfForce(int guard);
   bool isSteadyForce(int guard);
   [[nodiscard]] bool samplesVarying();
   [[nodiscard]] bool isSampled(int guard) const { return samplesVarying_ && dynamics_.guards()[guard].varies; }
@@ -208,7 +210,7 @@ private:
   bool startsToRounding_ = true;
   double error_ = 0, forceError_ = 0;  // the integrator's, of guards that start at zero
   Sample begin_, end_, shifted_;
-  std::array<Sample, 2> inside_;
+  std::vector<Sample> inside_;     // at places inside a step with forces that vary
   Sample first_;                   // at the first event found so far
   std::array<Sample, 3> inner_;    // the latest ones
   std::vector<Sample> pool_;       // one middle for each depth of the search

@@ -15,7 +15,20 @@ namespace {
 
 // Where an interval is divided: no period of what is sampled has a simple ratio to it.
 constexpr double division = 0.4619397662556434;
-constexpr double otherDivision = 0.8090169943749475;
+const std::vector<double> twoParts = {division, 0.8090169943749475};
+// Of steps over a time of rest, which may be all of the run: none of what lasts a twentieth of it is passed over.
+const std::vector<double> &manyParts() {
+  constexpr double goldenSection = 0.6180339887498949;
+  constexpr int count = 64;
+  static const std::vector<double> parts = [] {
+    std::vector<double> all(count);
+    for (int k = 0; k < count; ++k)
+      all[k] = std::fmod((k + 1) * goldenSection, 1.0);
+    std::sort(all.begin(), all.end());
+    return all;
+  }();
+  return parts;
+}
 // Divisions: the smallest intervals are some 1e-8 of the step.
 constexpr int deepest = 30;
 // Divisions for one guard in one step. A guard that takes more oscillates too often for the step, or stays at zero but for the errors of
@@ -46,19 +59,39 @@ EventDetection::Probe EventDetection::probe(int guard, double time) {
   return result;
 }
 
-// All guards at two places inside the step, those of forces with their rates. False: they cannot be evaluated there.
+// The step's error tells nothing of forces where nothing moves, or moves as if there were none.
+bool EventDetection::isBlindStep() const {
+  if (integrator_->isExactInside())
+    return true;
+  const tf_model &model = dynamics_.model().model();
+  const IntegratorSettings &settings = integrator_->settings();
+  for (int k = 0; k < model.nq + model.nv; ++k)
+    if (std::abs(integrator_->end()[k] - integrator_->begin()[k]) > settings.tolerance * settings.scale[k])
+      return false;
+  return true;
+}
+
+// All guards at places inside the step, those of forces at two of them with their rates. False: they cannot be evaluated there.
 bool EventDetection::readInside() {
-  for (Sample &sample : inside_) {
-    const double part = &sample == inside_.data() ? division : otherDivision, time = begin_.time + part * (end_.time - begin_.time);
-    for (const auto &[at, into] : {std::pair{time + probeStep_, &shifted_}, std::pair{time, &sample}}) {
+  const std::vector<double> &parts = isBlindStep() ? manyParts() : twoParts;
+  const std::size_t count = parts.size();
+  inside_.resize(count);
+  for (std::size_t place = 0; place < count; ++place) {
+    Sample &sample = inside_[place];
+    const double time = begin_.time + parts[place] * (end_.time - begin_.time);
+    const auto read = [&](double at, Sample &into) {
       interpolate(at);
-      if (!dynamics_.evaluate(at, state_.data(), scratch_.data()))
-        return false;
-      readGuards(at, *into);
-    }
+      const bool isGood = dynamics_.evaluate(at, state_.data(), scratch_.data());
+      if (isGood)
+        readGuards(at, into);
+      return isGood;
+    };
+    const bool hasRate = count == 2 || place == count / 2 || place == count - count / 5;
+    if ((hasRate && !read(time + probeStep_, shifted_)) || !read(time, sample))
+      return false;
     for (const int k : awake_)
       if (isForceGuard(dynamics_.guards()[k].kind))
-        sample.rate[k] = (shifted_.value[k] - sample.value[k]) / probeStep_;
+        sample.rate[k] = hasRate ? (shifted_.value[k] - sample.value[k]) / probeStep_ : 0;
   }
   return true;
 }
@@ -90,6 +123,26 @@ bool EventDetection::samplesVarying() {
   return varies_ && 100 * probeStep_ <= h;
 }
 
+// Where the search for a zero of a force begins anew: what has been read inside the step may be a dip that the cubic through its ends has
+// nothing of. Around the first place where the force is negative, else around the least.
+std::vector<double> EventDetection::cutsOfForce(int guard) {
+  std::vector<std::pair<double, double>> places = {{begin_.time, begin_.value[guard]}, {end_.time, end_.value[guard]}};
+  for (const Sample &sample : inside_)
+    places.emplace_back(sample.time, sample.value[guard]);
+  if (dynamics_.guards()[guard].kind == GuardKind::Force && integrator_->samplesInside())
+    if (const double time = dynamics_.leastMarginTime(guard); time > begin_.time && time < end_.time)
+      places.emplace_back(time, dynamics_.leastMargin(guard));
+  std::sort(places.begin(), places.end());
+  auto lowest = std::find_if(places.begin() + 1, places.end(), [](const auto &place) { return place.second < 0; });
+  if (lowest == places.end())
+    lowest = std::min_element(places.begin(), places.end(), [](const auto &a, const auto &b) { return a.second < b.second; });
+  std::vector<double> cuts;
+  for (auto place = lowest == places.begin() ? lowest : lowest - 1; place != places.end() && place <= lowest + 1; ++place)
+    if (place->first > begin_.time && place->first < end_.time)
+      cuts.push_back(place->first);
+  return cuts;
+}
+
 void EventDetection::examineVarying(DetectedEvent &first) {
   const auto isForce = [this](int k) { return dynamics_.guards()[k].varies && isForceGuard(dynamics_.guards()[k].kind); };
   const bool hasInside = std::any_of(awake_.begin(), awake_.end(), isForce) && readInside();
@@ -103,7 +156,15 @@ void EventDetection::examineVarying(DetectedEvent &first) {
     rises_ = false;
     limit_ = first.guard >= 0 ? first.time : std::numeric_limits<double>::infinity();
     const Probe a = probe(guard, begin_.time), b = probe(guard, end_.time);
-    divide(guard, a, b, Fit{}, 0, own);
+    Probe low = a;
+    for (const double cut : hasInside &&isForceGuard(described.kind) ? cutsOfForce(guard) : std::vector<double>()) {
+      const Probe high = probe(guard, cut);
+      if (own.guard < 0 && low.time < limit_)
+        divide(guard, low, high, Fit{}, 0, own);
+      low = high;
+    }
+    if (own.guard < 0 && low.time < limit_)
+      divide(guard, low, b, Fit{}, 0, own);
     // It falls from its start, which is a zero, not only by the interpolant's error there.
     if (own.guard < 0 && a.value <= threshold(guard) && a.rate < 0 && b.value < level(guard))
       bracketProbes(guard, a, b, own);

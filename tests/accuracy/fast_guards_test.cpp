@@ -190,6 +190,40 @@ end Push;
   }
 }
 
+// A smooth pulse that exceeds friction for a small part of the time for which a body would rest.
+TEST(FastGuards, APulseOnABodyAtRestIsNotPassedOver) {
+  // What it has come to when it stops.
+  const auto way = [](double center, double width) {
+    const double step = 1e-4 * width;
+    double time = center - width * std::sqrt(std::log(5.0)), velocity = 0, place = 0;
+    const auto acceleration = [&](double t) { return 5 * std::exp(-std::pow((t - center) / width, 2)) - 1; };
+    while (true) {
+      const double next = velocity + step / 6 * (acceleration(time) + 4 * acceleration(time + 0.5 * step) + acceleration(time + step));
+      if (next < 0)
+        return place;
+      place += 0.5 * step * (velocity + next);
+      velocity = next;
+      time += step;
+    }
+  };
+  for (const char *element : {"friction c(slip = der(x), bound = 1)", "contact c(gap = y, slip = der(x), friction = 0.5)"}) {
+    const std::string file = sourceFile(std::string("pulse_on_") + element[0] + ".tf",
+                                        std::string("model A\n  parameter Real center = 5, width = 0.1;\n  coordinate Real x, y;\n"
+                                                    "  body b(mass = 1, position = {x, y});\n"
+                                                    "  force f(value = {5*exp(-((time - center)/width)^2), -2}, at = {x, y});\n  ") +
+                                            (element[0] == 'f' ? "contact floor(gap = y);\n  " : "") + element + ";\nend A;\n");
+    for (const double width : {1.0, 0.3, 0.15, 0.1})
+      for (const double center : {1.7, 3.1, 5.632})
+        for (const double tolerance : {1e-4, 1e-10})
+          withEachIntegrator(file, tolerance, center + 10 * width + 1,
+                             [&](const CompiledModel &model) {
+                               EXPECT_NEAR(model["x"], way(center, width), 20 * tolerance * (1 + way(center, width)) + 1e-6)
+                                   << element << ' ' << width << ' ' << center << ' ' << tolerance;
+                             },
+                             {{"center", center}, {"width", width}});
+  }
+}
+
 // A floor that shakes under a body which flies by: it is hit where the floor is high.
 TEST(FastGuards, FloorThatShakes) {
   // y = 1 − g t²/2 over 0.01 sin(1000 t).
