@@ -159,7 +159,8 @@ tf_status tf_get_all_before(tf_simulation *simulation, double *values);
 /* Value by name or alias. */
 tf_status tf_get_named(tf_simulation *simulation, const char *name, double *value);
 
-/* Complete state, with sensitivities and the account of energy where they are asked for: only a simulation that has the same takes it. The
+/* Complete state, with sensitivities and the account of energy where they are asked for: only a simulation that has the same takes it, and
+   with constant inputs that have been set and that the next step will take; tables and callbacks are those of the simulation. The
    integration begins anew where it is saved as where it is restored: with the same calls from there on, further saves among them, both
    continue bit-identically. Size in bytes by tf_state_size. */
 size_t tf_state_size(const tf_simulation *simulation);
