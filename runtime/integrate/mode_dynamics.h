@@ -299,6 +299,7 @@ private:
   // all bounds, or changed their signs there (0).
   [[nodiscard]] bool isNearSharedPole(double part) const;
   [[nodiscard]] std::span<const double> marginValues() const { return isFolded_ ? folded_.marginValues() : forces_.marginValues(); }
+  [[nodiscard]] Eigen::Index limitStepCount() const;
   void findLimitSteps(int j, Eigen::Ref<Eigen::VectorXd> steps);
   void readLimits();
   double slopeByStep(int s, int j, const Eigen::Ref<const Eigen::VectorXd> &limitSteps);

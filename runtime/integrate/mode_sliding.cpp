@@ -43,22 +43,24 @@ void ModeDynamics::findLimitSteps(int j, Eigen::Ref<Eigen::VectorXd> steps) {
   readLimits();
 }
 
+Eigen::Index ModeDynamics::limitStepCount() const { return limitsVary_ ? static_cast<Eigen::Index>(rows_.tangents().size()) : 0; }
+
 void ModeDynamics::readLimits() {
   at_.contactTerms(mask_.data());
   rows_.gatherLimits(at_, problem_);
 }
 
-// d c_s/dt changes by this per step variable j, whose limits change by `limitSteps`. The gradient of c_s and stepDerivatives have been
-// evaluated.
+// d c_s/dt changes by this per step variable j, with which limits change by `limitSteps` (none: they do not). The gradient of c_s and
+// stepDerivatives have been evaluated.
 double ModeDynamics::slopeByStep(int s, int j, const Eigen::Ref<const Eigen::VectorXd> &limitSteps) {
   const tf_model &model = at_.model();
   std::vector<double> &column = minus_;
   for (int i = 0; i < model.nv; ++i)
     column[i] = at_.forceByStep[i * model.ns + j];
-  std::vector<double> limitChange(rows_.tangents().size());
+  std::vector<double> limitChange(static_cast<std::size_t>(limitSteps.size()));
   for (std::size_t row = 0; row < limitChange.size(); ++row)
     limitChange[row] = limitSteps[static_cast<Eigen::Index>(row)] * (problem_.owner[row] >= 0 ? rowForces()[problem_.owner[row]] : 1);
-  response(column.data(), nullptr, nullptr, limitChange.data(), change_.data());
+  response(column.data(), nullptr, nullptr, limitChange.empty() ? nullptr : limitChange.data(), change_.data());
   const double *gradient = at_.conditionGradient.data() + static_cast<std::ptrdiff_t>(s) * at_.columns() + model.nq;
   double sum = 0;
   for (int i = 0; i < model.nv; ++i)
@@ -70,7 +72,7 @@ double ModeDynamics::slopeByStep(int s, int j, const Eigen::Ref<const Eigen::Vec
 
 double ModeDynamics::slopeJump(int j) {
   complete();
-  Eigen::VectorXd limitSteps(static_cast<Eigen::Index>(rows_.tangents().size()));
+  Eigen::VectorXd limitSteps(limitStepCount());
   if (limitSteps.size() > 0)
     findLimitSteps(j, limitSteps);
   at_.stepDerivatives();
@@ -81,7 +83,7 @@ double ModeDynamics::slopeJump(int j) {
 bool ModeDynamics::solveSliding() {
   const int count = static_cast<int>(sliding_.size());
   at_.switchGradients(slidingMask_.data());
-  limitSteps_.resize(static_cast<Eigen::Index>(rows_.tangents().size()), count);
+  limitSteps_.resize(limitStepCount(), count);
   for (int k = 0; k < count && limitSteps_.rows() > 0; ++k)
     findLimitSteps(sliding_[k], limitSteps_.col(k));
   const bool limitsFollow = (limitSteps_.array() != 0).any();

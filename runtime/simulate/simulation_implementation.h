@@ -115,6 +115,8 @@ private:
   tf_status takeStarts();
   tf_status solveStart();
   tf_status settleStart();
+  using StartObjection = std::function<std::string(const char *parameter, const std::vector<double> &change)>;
+  tf_status checkStartColumns(int parts, const std::vector<double> &values, const StartObjection &objection);
   tf_status checkStartDerivatives();
   tf_status checkStartingSlips();
   bool startsStayConsistent();
@@ -155,7 +157,7 @@ private:
   bool isSuspicious(double correction);
   tf_status checkJump();
   int jumpingRate();
-  tf_status checkJumpOf(HeldRate (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *), const char *text);
+  tf_status checkJumpOf(HeldRow (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *), const char *text);
   void noteRedundancy();
   tf_status startConstraints();
   tf_status chooseConstraints();

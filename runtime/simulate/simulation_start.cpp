@@ -163,27 +163,37 @@ tf_status Simulation::Implementation::settleStart() {
   return startConstraints();
 }
 
+// What speaks against derivatives at the start, by how some values of all contacts change with each parameter: `objection` has the name of
+// the parameter and these changes, and gives an empty text where there is nothing.
+tf_status Simulation::Implementation::checkStartColumns(int parts, const std::vector<double> &values, const StartObjection &objection) {
+  const auto count = static_cast<int>(values.size());
+  const auto read = [&](double time, double *state, double *out) {
+    at_.setPoint(time, state);
+    at_.switchingOfAll(parts);
+    std::copy(values.begin(), values.end(), out);
+    return true;
+  };
+  std::vector<double> change(values.size());
+  for (int column = 0; column < sensitivities_->columnCount(); ++column) {
+    if (!sensitivities_->differentiate(read, time_, state_.data(), column, count, change.data()))
+      return failSensitivities("the start");
+    if (const std::string text = objection(model_.variables[sensitivities_->variableOf(column)].name, change); !text.empty())
+      return failSensitivities("the start: " + text);
+  }
+  return TF_OK;
+}
+
 // A gap that opens at the start takes a longer time to close than starts are apart, of the order of its root: there is no derivative.
 tf_status Simulation::Implementation::checkStartDerivatives() {
   constexpr double opens = 1e-6;
-  std::vector<double> gapChange(model_.nc);
-  const auto gaps = [this](double time, double *state, double *values) {
-    at_.setPoint(time, state);
-    at_.switching(ModelEvaluation::Gaps);
-    std::copy_n(at_.gap.begin(), model_.nc, values);
-    return true;
-  };
-  for (int column = 0; column < sensitivities_->columnCount(); ++column) {
-    if (!sensitivities_->differentiate(gaps, time_, state_.data(), column, model_.nc, gapChange.data()))
-      return failSensitivities("the start");
+  const auto opened = [this](const char *parameter, const std::vector<double> &change) -> std::string {
     for (int i = 0; i < model_.nc; ++i)
-      if (const tf_contact &contact = model_.contacts[i];
-          mode_.closed[i] && std::abs(gapChange[i]) > opens * at_.scales.gap(i, state_.data()))
-        return failSensitivities(fmt::format("the start: '{}' opens contact '{}' {}, which is closed there,",
-                                             instance_.model().variables[owner_.options.sensitivities[column]].name, contact.name,
-                                             sourceOf(contact.location)));
-  }
-  return checkStartingSlips();
+      if (const tf_contact &contact = model_.contacts[i]; mode_.closed[i] && std::abs(change[i]) > opens * at_.scales.gap(i, state_.data()))
+        return fmt::format("'{}' opens contact '{}' {}, which is closed there,", parameter, contact.name, sourceOf(contact.location));
+    return {};
+  };
+  const tf_status status = checkStartColumns(ModelEvaluation::Gaps, at_.gap, opened);
+  return status == TF_OK ? checkStartingSlips() : status;
 }
 
 // A slip that starts with the run has been one in the other direction for starts to one side, with the opposite friction.
@@ -200,22 +210,14 @@ tf_status Simulation::Implementation::checkStartingSlips() {
       starting.push_back(j);
   if (starting.empty())
     return TF_OK;
-  std::vector<double> change(model_.nt);
-  const auto slips = [this](double time, double *state, double *values) {
-    at_.setPoint(time, state);
-    at_.switchingOfAll(ModelEvaluation::Slips);
-    std::copy_n(at_.slip.begin(), model_.nt, values);
-    return true;
-  };
-  for (int column = 0; column < sensitivities_->columnCount(); ++column) {
-    if (!sensitivities_->differentiate(slips, time_, state_.data(), column, model_.nt, change.data()))
-      return failSensitivities("the start");
+  const auto started = [&](const char *parameter, const std::vector<double> &change) -> std::string {
     for (const int j : starting)
       if (std::abs(change[j]) > moves * at_.scales.slip(j, state_.data() + model_.nq))
-        return failSensitivities(fmt::format("the start: '{}' moves {}, which starts to slip there,",
-                                             instance_.model().variables[owner_.options.sensitivities[column]].name,
-                                             elementText(model_, elementOfTangent(model_, j))));
-  }
+        return fmt::format("'{}' moves {}, which starts to slip there,", parameter, elementText(model_, elementOfTangent(model_, j)));
+    return {};
+  };
+  if (const tf_status status = checkStartColumns(ModelEvaluation::Slips, at_.slip, started); status != TF_OK)
+    return status;
   return dynamics_.evaluate(time_, state_.data(), rate_.data()) ? TF_OK : failEvaluation();
 }
 

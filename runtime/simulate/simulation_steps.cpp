@@ -105,7 +105,7 @@ tf_status Simulation::Implementation::checkJump() {
   return checkJumpOf(largestHeldValue, "{} jumps at t = {:.10g}");
 }
 
-tf_status Simulation::Implementation::checkJumpOf(HeldRate (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *),
+tf_status Simulation::Implementation::checkJumpOf(HeldRow (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *),
                                                   const char *text) {
   constexpr double resolution = 8 * std::numeric_limits<double>::epsilon(), beyond = 0.25, nearby = 1e-10, rounding = 1e-9;
   SmoothIntegrator &integrator = integrators_.current();
@@ -120,11 +120,11 @@ tf_status Simulation::Implementation::checkJumpOf(HeldRate (*largestHeld)(ModelE
   };
   const double reach = std::max(beyond * (integrator.endTime() - begin), nearby * std::abs(begin));
   double low = begin - reach, high = integrator.endTime() + reach, before = heldAt(low).size;
-  HeldRate after = heldAt(high);
+  HeldRow after = heldAt(high);
   const double middle = 0.5 * (before + after.size);
   while (high - low > resolution * std::max(std::abs(high), high - begin)) {
     const double time = 0.5 * (low + high);
-    const HeldRate held = heldAt(time);
+    const HeldRow held = heldAt(time);
     (held.size > middle ? high : low) = time;
     if (held.size > middle)
       after = held;

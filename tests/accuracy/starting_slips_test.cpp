@@ -252,31 +252,18 @@ end ShakingBelt;
 // Of a table on four feet whose loads are not unique the slips start in directions that are far from those of the forces that held it. At a
 // loose tolerance velocities that are small beside it solve the equations of the first step as well as they need, at rest.
 TEST(StartingSlips, OfATableOnFourFeetAreFollowedFromTheirStart) {
-  const std::string file = sourceFile("table_on_four_feet.tf", R"(
-model Table
-  parameter Real x[4] = {0.5, -0.91, -0.7, 0.5}, y[4] = {0.22, 0.45, -0.92, -0.4};
-  coordinate Real q[3];
-  coordinate Real psi, pitch, roll;
-  body top(mass = 2, position = q);
-  body turning(inertia = 0.4, angle = psi);
-  body pitching(inertia = 0.3, angle = pitch);
-  body rolling(inertia = 0.3, angle = roll);
-  force weight(value = {0, 0, -20}, at = q);
-  force pull(value = {3*time, 4*time, 0}, at = q);
-  force twist(value = 0.8*time, at = psi);
-  force tip(value = 0.5*time, at = pitch);
-  contact foot[4](gap = {q[3] + roll*y[i] - pitch*x[i] for i in 1:4},
-    slip = {{der(q[1]) - der(psi)*y[i], der(q[2]) + der(psi)*x[i]} for i in 1:4}, each friction = 0.24);
-end Table;
-)");
+  const Settings table = {{"mu", 0.24}, {"x[1]", 0.5}, {"y[1]", 0.22}, {"x[2]", -0.91}, {"y[2]", 0.45}, {"x[3]", -0.7}, {"y[3]", -0.92}};
   // At tolerances from 1e-8 to 1e-11 all integrators agree on it to the digits given.
   constexpr double speed = 0.00672942386;
   for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8})
     for (const double sample : {0.94, 0.97, 1.0})
-      withEachIntegrator(file, tolerance, sample, [&](CompiledModel &model) {
-        model.advance(1);
-        EXPECT_NEAR(model["der(q[2])"], speed, std::min(tolerance, 1e-7)) << tolerance << ' ' << sample;
-      });
+      withEachIntegrator(
+          example("dragged_table.tf"), tolerance, sample,
+          [&](CompiledModel &model) {
+            model.advance(1);
+            EXPECT_NEAR(model["der(q[2])"], speed, std::min(tolerance, 1e-7)) << tolerance << ' ' << sample;
+          },
+          table);
 }
 
 }  // namespace

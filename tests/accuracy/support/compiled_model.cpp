@@ -175,6 +175,15 @@ double CompiledModel::eventTime(tf_event_kind kind, int number) const {
   return std::numeric_limits<double>::quiet_NaN();
 }
 
+std::string errorOfRun(CompiledModel &model, double end) {
+  try {
+    model.run(end);
+  } catch (const std::runtime_error &error) {
+    return error.what();
+  }
+  return {};
+}
+
 void differentiateBy(CompiledModel &model, const std::vector<const char *> &names) {
   if (tf_set_sensitivities(model.simulation(), names.data(), names.size()) != TF_OK) {
     throw std::runtime_error(tf_error_text(model.simulation()));

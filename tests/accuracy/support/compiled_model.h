@@ -65,6 +65,9 @@ private:
   std::unique_ptr<tf_simulation, Free> simulation_;
 };
 
+// libtf's error text of a run from 0 to the end, empty where there is no error.
+[[nodiscard]] std::string errorOfRun(CompiledModel &model, double end);
+
 // From the next initialise on, derivatives by these variables are computed. Both throw with libtf's error text if they fail.
 void differentiateBy(CompiledModel &model, const std::vector<const char *> &names);
 // Of a variable by the column-th of these names, at the current time.
