@@ -35,7 +35,8 @@ public:
   [[nodiscard]] Quadrature quadrature() const override { return method().quadrature(); }
   // In uniform motion contact forces are constant.
   [[nodiscard]] bool samplesInside() const override { return isUniform_ || method_->interiorStages() >= 2; }
-  [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= 15; }
+  // Errors at the border of stability die out in the motion, but add up in what is integrated along its rates.
+  [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= (settings().isDifferentiated ? 4 : 15); }
   [[nodiscard]] bool isStabilised() const override { return method().isStabilised(); }
   // None where the error of the step does not tell; infinity where there was none, so that any step will do while the accelerations stay.
   [[nodiscard]] double suggestedStep() const override {

@@ -11,8 +11,9 @@ namespace tf::runtime {
 
 struct IntegratorSettings {
   double tolerance = 1e-6;
-  double fixedStep = 0;       // > 0: steps of this length without error control
-  std::vector<double> scale;  // [n] nominal magnitudes: |error_i| ≤ tolerance · max(scale_i, |y_i|)
+  double fixedStep = 0;           // > 0: steps of this length without error control
+  bool isDifferentiated = false;  // sensitivities are integrated along the steps: rates inside them count
+  std::vector<double> scale;      // [n] nominal magnitudes: |error_i| ≤ tolerance · max(scale_i, |y_i|)
 };
 
 enum class StepStatus : std::uint8_t {

@@ -145,7 +145,7 @@ void StabilisedPair::finish(double error, const double *scale) {
     lowLength_ = (isLow_ ? 1 : part) * length_ * growth;
     pauseLeft_ = std::max(pauseLeft_ - 1, 0);
     borderSteps_ = explicitMethod().stabilityRatio() > 0.8 ? borderSteps_ + 1 : std::max(borderSteps_ - 1, 0);
-    isKnown_ = isKnown_ || borderSteps_ >= patience_;
+    isKnown_ = stabilised_ && (isKnown_ || borderSteps_ >= patience_);
     watchBorder(scale);
   }
   adjustedSteps_ += isAdjusted_ ? 1 : 0;

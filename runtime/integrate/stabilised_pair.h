@@ -13,7 +13,7 @@ namespace tf::runtime {
 
 class StabilisedPair final : public ElementMethod {
 public:
-  // `low` may be null.
+  // `low` and `stabilised` may be null.
   StabilisedPair(int size, std::unique_ptr<ExplicitMethod> pair, std::unique_ptr<ExplicitMethod> low,
                  std::unique_ptr<StabilisedMethod> stabilised);
 

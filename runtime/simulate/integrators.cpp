@@ -25,7 +25,8 @@ namespace {
 // Order 8 pays but where the tolerance is loose, since its steps of twelve evaluations are too long there for the pieces between events,
 // and where a step is short for other reasons than its error. Where slips of two components stop, their direction turns ever faster: no
 // order is high in modes that have such slips (`slipsTurn`: a mode of the model may). ROCK4, of order 4, does not pay where the tolerance
-// is tight, nor does ROCK2, of order 2, where it is not very loose.
+// is tight, nor does ROCK2, of order 2, where it is not very loose. Inside stabilised steps fast components are within the tolerance, but
+// their rates, the larger the faster they are, are not: without them for sensitivities, which are integrated along these.
 std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings &settings, bool slipsTurn) {
   constexpr double ofRock2 = 5e-3, veryLoose = 5e-4, loose = 2e-6, tight = 2e-9;
   if (settings.fixedStep > 0)
@@ -43,7 +44,9 @@ std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings
       low = std::make_unique<BogackiShampine>(size);
   }
   std::unique_ptr<StabilisedMethod> stabilised;
-  if (settings.tolerance > ofRock2)
+  if (settings.isDifferentiated)
+    stabilised = nullptr;
+  else if (settings.tolerance > ofRock2)
     stabilised = std::make_unique<Rock2>(size);
   else
     stabilised = std::make_unique<Rock4>(size);
@@ -56,6 +59,7 @@ IntegratorSettings Integrators::settings(const SimulationOptions &options) const
   IntegratorSettings settings;
   settings.tolerance = options.tolerance;
   settings.fixedStep = options.fixedStep;
+  settings.isDifferentiated = !options.sensitivities.empty();
   settings.scale = dynamics_.model().scales.nominal();
   return settings;
 }
@@ -144,7 +148,8 @@ SmoothIntegrator *Integrators::forStiffness() {
   slowSteps_ = isSlow ? slowSteps_ + 1 : 0;
   if (slowSteps_ > mostSlowSteps || (isSlow && dynamics_.hasSlipsBelow(slowest * current_->settings().tolerance)))
     return launch_.get();
-  return wanted_ == TF_AUTO && mayFallBack_ && current_->isStiff() ? fallback() : nullptr;
+  const bool mayLeave = wanted_ == TF_AUTO || (wanted_ == TF_EXPLICIT && current_->settings().isDifferentiated);
+  return mayLeave && mayFallBack_ && current_->isStiff() ? fallback() : nullptr;
 }
 
 Integrators::Kind Integrators::currentKind() const {
