@@ -36,7 +36,7 @@ bool BogackiShampine::solve(ModeDynamics &dynamics, double t0, const double *y0,
   return true;
 }
 
-void BogackiShampine::interpolate(double theta, double *y) const {
+void BogackiShampine::interpolate(double theta, double *y) {
   if (!hasDense_)
     makeCoefficients<difference, storedCount>(false, std::make_index_sequence<0>());
   evaluateDense<coefficientCount>(theta, y);

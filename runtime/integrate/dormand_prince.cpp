@@ -45,7 +45,7 @@ bool DormandPrince::solve(ModeDynamics &dynamics, double t0, const double *y0, c
   return true;
 }
 
-void DormandPrince::interpolate(double theta, double *y) const {
+void DormandPrince::interpolate(double theta, double *y) {
   if (!hasDense_)
     makeCoefficients<dense, storedCount>(true, std::make_index_sequence<1>());
   evaluateDense<coefficientCount>(theta, y);

@@ -12,7 +12,7 @@ public:
 
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
-  void interpolate(double theta, double *y) const override;
+  void interpolate(double theta, double *y) override;
   [[nodiscard]] double errorOrder() const override { return 5; }
   [[nodiscard]] int interiorStages() const override { return 4; }
 };

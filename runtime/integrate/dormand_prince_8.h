@@ -3,27 +3,39 @@
 #pragma once
 
 #include "runtime/integrate/explicit_method.h"
+#include "runtime/integrate/inside_states.h"
 
 namespace tf::runtime {
 
 class DormandPrince8 final : public ExplicitMethod {
 public:
-  explicit DormandPrince8(int size);
+  // Its elements are for this tolerance.
+  DormandPrince8(int size, double tolerance);
 
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
-  // The first call after an element evaluates the dynamics at three more points, and at the end again; where that fails, the cubic through
-  // both ends is taken.
-  void interpolate(double theta, double *y) const override;
+  // The first call after an element evaluates the dynamics at four more points, and at the end again. Where that fails, the cubic through
+  // both ends is taken; where they show that the extension does not hold the tolerance (damping that stability limits the step by), it
+  // solves shorter elements (InsideStates).
+  void interpolate(double theta, double *y) override;
   [[nodiscard]] bool isInterpolantDear() const override { return !hasDense_; }
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double errorOrder() const override { return 8; }
   [[nodiscard]] int interiorStages() const override { return 10; }
 
 private:
-  void makeDense() const;
+  // From (t0_, y0) with the rate f0 to t0_ + h, with its error.
+  bool advance(const double *y0, const double *f0, double h);
+  void makeDense();
+  bool holdsTolerance();
+  void solveInside();
 
+  double tolerance_;
   ModeDynamics *dynamics_ = nullptr;
   double t0_ = 0;
+  const double *scale_ = nullptr;
+  InsideStates inside_;
+  std::vector<double> defect_;
 };
 
 }  // namespace tf::runtime

@@ -27,7 +27,7 @@ public:
   virtual bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
                      double accuracy) = 0;
   // y(t0 + theta h), 0 ≤ theta ≤ 1, of the last element. The dynamics' last evaluation is as before, or at the end of the element.
-  virtual void interpolate(double theta, double *y) const = 0;
+  virtual void interpolate(double theta, double *y) = 0;
   // The error of interpolate() is a few tolerances at most where that of the end is within one.
   [[nodiscard]] virtual bool holdsToleranceInside() const { return true; }
   // So are the stages, as those of collocation.

@@ -47,7 +47,8 @@ protected:
   }
 
   // k_(s + 1), stride_ each.
-  [[nodiscard]] double *stage(std::size_t s) const { return stages_.data() + s * stride_; }
+  [[nodiscard]] double *stage(std::size_t s) { return stages_.data() + s * stride_; }
+  [[nodiscard]] const double *stage(std::size_t s) const { return stages_.data() + s * stride_; }
 
   // The step from y0 with the rate f0, which is k1.
   void beginStep(const double *y0, const double *f0, double h);
@@ -56,30 +57,31 @@ protected:
   template <typename Entries, const auto &table, std::size_t row, std::size_t... j>
   [[gnu::always_inline]] static Entries weightedSum(const double *k, std::size_t stride, std::index_sequence<j...> stages);
   // y = begin + h Σ weights_j k_j over the first `count` stages; y has stride_ entries.
-  template <const auto &table, std::size_t row, std::size_t count> void combine(double *y) const;
+  template <const auto &table, std::size_t row, std::size_t count> void combine(double *y);
   // Stage number `count`, out of those before it, with the row's node and weights.
-  template <const auto &nodes, const auto &table, std::size_t row, std::size_t count>
-  bool solveStage(ModeDynamics &dynamics, double t0) const {
+  template <const auto &nodes, const auto &table, std::size_t row, std::size_t count> bool solveStage(ModeDynamics &dynamics, double t0) {
     combine<table, row, count>(point_.data());
     return dynamics.evaluate(t0 + nodes[row] * h_, point_.data(), stage(count));
   }
   // Stages 1 … of a table that has a row for each stage.
   template <const auto &nodes, const auto &table, std::size_t... s>
-  bool solveStages(ModeDynamics &dynamics, double t0, std::index_sequence<s...> /*stages*/) const {
+  bool solveStages(ModeDynamics &dynamics, double t0, std::index_sequence<s...> /*stages*/) {
     return (solveStage<nodes, table, s + 1, s + 1>(dynamics, t0) && ...);
   }
 
   // Coefficients of the dense output out of the first `count` stages: the cubic through both ends, and one for each row of the table (zero
   // without it).
   template <const auto &table, std::size_t count, std::size_t... row>
-  void makeCoefficients(bool withTable, std::index_sequence<row...> rows) const;
+  void makeCoefficients(bool withTable, std::index_sequence<row...> rows);
   // y0 + theta (c0 + (1 − theta) (c1 + theta (c2 + (1 − theta) (c3 + …
   template <std::size_t count> void evaluateDense(double theta, double *y) const;
+  // The derivative of entry i by theta.
+  template <std::size_t count> [[nodiscard]] double denseSlope(double theta, int i) const;
 
   // Sums over stages take two entries at a time: arrays are padded by zeros.
   std::size_t stride_;
-  mutable std::vector<double> stages_, point_, dense_;
-  mutable bool hasDense_ = false;  // the coefficients of the dense output, which are made when they are asked for
+  std::vector<double> stages_, point_, dense_;
+  bool hasDense_ = false;  // the coefficients of the dense output, which are made when they are asked for
   std::vector<double> begin_;
   double h_ = 0;
 
@@ -99,7 +101,7 @@ inline Entries ExplicitMethod::weightedSum(const double *k, std::size_t stride, 
   return sum;
 }
 
-template <const auto &table, std::size_t row, std::size_t count> void ExplicitMethod::combine(double *y) const {
+template <const auto &table, std::size_t row, std::size_t count> void ExplicitMethod::combine(double *y) {
   const double h = h_, *k = stages_.data(), *begin = begin_.data();
   const std::size_t stride = stride_;
   for (std::size_t i = 0; i < stride; i += 2)
@@ -107,7 +109,7 @@ template <const auto &table, std::size_t row, std::size_t count> void ExplicitMe
 }
 
 template <const auto &table, std::size_t count, std::size_t... row>
-void ExplicitMethod::makeCoefficients([[maybe_unused]] bool withTable, std::index_sequence<row...> /*rows*/) const {
+void ExplicitMethod::makeCoefficients([[maybe_unused]] bool withTable, std::index_sequence<row...> /*rows*/) {
   double *c = dense_.data();
   for (int i = 0; i < n_; ++i, c += 3 + sizeof...(row)) {
     const double *k = stages_.data() + i;
@@ -128,6 +130,17 @@ template <std::size_t count> void ExplicitMethod::evaluateDense(double theta, do
       value = c[k] + (k % 2 == 0 ? rest : theta) * value;
     y[i] = begin_[i] + theta * value;
   }
+}
+
+template <std::size_t count> double ExplicitMethod::denseSlope(double theta, int i) const {
+  const double *c = dense_.data() + static_cast<std::size_t>(i) * count;
+  double value = c[count - 1], slope = 0;
+  for (std::size_t k = count - 1; k-- > 0;) {
+    const double factor = k % 2 == 0 ? 1 - theta : theta, change = k % 2 == 0 ? -1 : 1;
+    slope = change * value + factor * slope;
+    value = c[k] + factor * value;
+  }
+  return value + theta * slope;
 }
 
 }  // namespace tf::runtime

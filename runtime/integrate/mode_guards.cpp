@@ -118,7 +118,8 @@ bool ModeDynamics::varies(const Guard &guard) const {
   case GuardKind::Condition:
     return at_.conditionVaries(guard.index);
   case GuardKind::Force:
-    return at_.forcesVary();
+    // What redundant rows contradict one another by comes with the positions, and is of the size of rounding until then.
+    return at_.forcesVary() && forces_.margins()[guard.index].limit.row != ModeMargin::contradiction;
   case GuardKind::StepLow:
   case GuardKind::StepHigh:
     return at_.conditionVaries(guard.index) || at_.forcesVary();

@@ -409,7 +409,7 @@ void Radau::dampError(double h) {
   error = errorResidual_;
 }
 
-void Radau::interpolate(double theta, double *y) const {
+void Radau::interpolate(double theta, double *y) {
   double product = theta;
   for (int k = 0; k < stages_; ++k) {
     if (theta == nodes_[k]) {

@@ -25,7 +25,7 @@ public:
   void restart(bool slipsTurn) override;
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
-  void interpolate(double theta, double *y) const override;
+  void interpolate(double theta, double *y) override;
   void accept() override;
   [[nodiscard]] bool holdsToleranceInside() const override { return errorPower_ == 1; }
   [[nodiscard]] bool hasExactStages() const override { return true; }

@@ -2,7 +2,7 @@
 
 namespace tf::runtime {
 
-Rock2::Rock2(int size) : StabilisedMethod(size, Rock2Tableau::lastStages, Inside::Cubic) {}
+Rock2::Rock2(int size, double tolerance) : StabilisedMethod(size, tolerance, Rock2Tableau::lastStages, Curve::Cubic, 1) {}
 
 bool Rock2::solveLast(ModeDynamics &dynamics, double t0) {
   const Rock2Tableau &t = *tableau_;

@@ -9,7 +9,8 @@ namespace tf::runtime {
 
 class Rock2 final : public StabilisedMethod {
 public:
-  explicit Rock2(int size);
+  // Its elements are for this tolerance.
+  Rock2(int size, double tolerance);
 
   [[nodiscard]] double border() const override { return rock2Tableaus().back().border; }
   [[nodiscard]] double errorOrder() const override { return 3; }

@@ -2,7 +2,7 @@
 
 namespace tf::runtime {
 
-Rock4::Rock4(int size) : StabilisedMethod(size, Rock4Tableau::lastStages, Inside::Quintic) {}
+Rock4::Rock4(int size, double tolerance) : StabilisedMethod(size, tolerance, Rock4Tableau::lastStages, Curve::Quintic, 3) {}
 
 bool Rock4::solveLast(ModeDynamics &dynamics, double t0) {
   const Rock4Tableau &t = *tableau_;

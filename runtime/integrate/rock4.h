@@ -8,7 +8,8 @@ namespace tf::runtime {
 
 class Rock4 final : public StabilisedMethod {
 public:
-  explicit Rock4(int size);
+  // Its elements are for this tolerance.
+  Rock4(int size, double tolerance);
 
   [[nodiscard]] double border() const override { return rock4Tableaus().back().border; }
   [[nodiscard]] double errorOrder() const override { return 4; }

@@ -10,6 +10,7 @@
 #pragma once
 
 #include "runtime/integrate/element_method.h"
+#include "runtime/integrate/inside_states.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -55,19 +56,24 @@ public:
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
   [[nodiscard]] int interiorStages() const override { return stages_ - 1; }
-  // From both ends.
-  void interpolate(double theta, double *y) const override;
-  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return largestError(scale) / tolerance; }
+  // Where the rates at the ends are too coarse for a curve through them, the first call after an element solves shorter ones
+  // (InsideStates), and evaluates the dynamics at the end again.
+  void interpolate(double theta, double *y) override;
+  [[nodiscard]] bool isInterpolantDear() const override { return !hasExactRates() && !inside_.isTried(); }
+  [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
+  // The last element has leapt over a transient from its begin, which the estimate of a method that damps it does not show.
+  [[nodiscard]] bool leapsTransient(const double *scale) const;
   // Beyond it implicit methods take fewer evaluations (measured with ROCK4 on stiff springs and dampers, at tolerances from 1e-3 to
   // 1e-8).
   [[nodiscard]] double stabilityRatio() const override { return h_ * radius_ / implicitBorder; }
 
 protected:
-  // Of coordinates whose derivatives are the velocities: with the second derivatives (StepEnds), whose polynomial has velocities of its own
-  // that are off by the coordinate's error at the end divided by the step, or without.
-  enum class Inside : std::uint8_t { Quintic, Cubic };
-  // `lastStages`: those behind the recurrence.
-  StabilisedMethod(int size, int lastStages, Inside inside);
+  // Of coordinates whose derivatives are the velocities, out of the rates at the ends: with the second derivatives (StepEnds), whose
+  // polynomial has velocities of its own that are off by the coordinate's error at the end divided by the step, or without.
+  enum class Curve : std::uint8_t { Quintic, Cubic };
+  // `tolerance`: what its elements are for; `lastStages`: those behind the recurrence; `insideCount`: states inside an element that are as
+  // exact as the end where a polynomial passes through them and the ends.
+  StabilisedMethod(int size, double tolerance, int lastStages, Curve curve, int insideCount);
 
   // Of the family, with which the element is solved.
   virtual const StabilisedTableau &chooseTableau(double border) = 0;
@@ -85,13 +91,22 @@ protected:
 private:
   static constexpr double implicitBorder = 300;
 
+  // The state at t0 + h, and the error.
+  bool advance(ModeDynamics &dynamics, double t0, double h);
   bool solveRecurrence(ModeDynamics &dynamics, double t0, const StabilisedTableau &tableau);
+  [[nodiscard]] bool hasExactRates() const;
+  void solveInside();
 
   std::vector<double> beginRate_, before_, rates_, point_;
-  int stages_ = 0;  // of the last element
+  std::vector<double> bend_;  // h² y'' at the begin, by g_1
+  int stages_ = 0;            // of the last element
   double radius_ = 0;
-  Inside inside_;
+  Curve curve_;
   int integrals_ = 0;  // of StepEnds
+  double tolerance_;
+  ModeDynamics *dynamics_ = nullptr;
+  double t0_ = 0;
+  InsideStates inside_;
 };
 
 }  // namespace tf::runtime

@@ -100,7 +100,7 @@ bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, 
   isLow_ = !isStabilised_ && mayBeLow(h);
   if (isStabilised_)
     stabilised_->setRadius(radius_.bound());
-  ElementMethod &method = isStabilised_ ? static_cast<ElementMethod &>(*stabilised_) : explicitMethod();
+  ElementMethod &method = current();
   method.setDistance(distance_);
   if (!method.solve(dynamics, t0, y0, f0, h, scale, accuracy))
     return false;
@@ -109,13 +109,15 @@ bool StabilisedPair::solve(ModeDynamics &dynamics, double t0, const double *y0, 
   return true;
 }
 
-// The error of a step that is not stable is in the direction that the radius is wrong for.
+// The error of a step that is not stable is in the direction that the radius is wrong for. Transients are the pair's.
 void StabilisedPair::reject(const double *scale) {
   wasted_ += isStabilised_ ? stabilised_->interiorStages() + 1 : explicitMethod().evaluations();
   if (isLow_)
     endsEarly_ = false;
   lowLength_ = 0;
-  if (isStabilised_)
+  if (isStabilised_ && stabilised_->leapsTransient(scale))
+    pauseLeft_ = std::max(pauseLeft_, leastPause);
+  else if (isStabilised_)
     doubtRadius(stabilised_->error(), scale);
 }
 

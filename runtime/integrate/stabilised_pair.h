@@ -24,7 +24,7 @@ public:
              double accuracy) override;
   void reject(const double *scale) override;
   void finish(double error, const double *scale) override;
-  void interpolate(double theta, double *y) const override { current().interpolate(theta, y); }
+  void interpolate(double theta, double *y) override { current().interpolate(theta, y); }
   [[nodiscard]] bool isInterpolantDear() const override { return current().isInterpolantDear(); }
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override { return current().errorNorm(scale, tolerance); }
   [[nodiscard]] double errorOrder() const override { return current().errorOrder(); }
@@ -40,9 +40,7 @@ private:
   void watchBorder(const double *scale);
   void doubtRadius(const double *error, const double *scale);
   [[nodiscard]] ExplicitMethod &explicitMethod() const { return isLow_ ? *low_ : *pair_; }
-  [[nodiscard]] const ElementMethod &current() const {
-    return isStabilised_ ? static_cast<const ElementMethod &>(*stabilised_) : explicitMethod();
-  }
+  [[nodiscard]] ElementMethod &current() const { return isStabilised_ ? static_cast<ElementMethod &>(*stabilised_) : explicitMethod(); }
 
   std::unique_ptr<ExplicitMethod> pair_, low_;
   bool isLow_ = false;      // the last step was low_'s, if not stabilised_'s

@@ -12,7 +12,7 @@ public:
   // y0 and f0 must stay until the next element.
   bool solve(ModeDynamics &dynamics, double t0, const double *y0, const double *f0, double h, const double *scale,
              double accuracy) override;
-  void interpolate(double theta, double *y) const override { at(theta * h_, y); }
+  void interpolate(double theta, double *y) override { at(theta * h_, y); }
   [[nodiscard]] double errorNorm(const double * /*scale*/, double /*tolerance*/) const override { return 0; }
   [[nodiscard]] double errorOrder() const override { return 1; }
   [[nodiscard]] int interiorStages() const override { return 0; }

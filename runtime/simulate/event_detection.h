@@ -66,6 +66,9 @@ public:
   // Of the forces at the dynamics' last evaluation the guard of the one that is farthest below zero, clearly; −1: none, or there is a pole,
   // where signs say nothing.
   [[nodiscard]] int brokenForce();
+  // Where the dynamics has been evaluated last, at (time, state) with its rate: the guard of a force that is zero, to rounding, and falls;
+  // −1: none. The dynamics is evaluated there again.
+  [[nodiscard]] int fallingForce(double time, const double *state, const double *rate);
   // After locate(), or an evaluation of the dynamics at the event: true if a gap has closed or a force has fallen to zero before the event,
   // which the interpolant had in another order; the event is then that guard's, still to be located.
   bool findEarlier(DetectedEvent &event);
@@ -215,6 +218,7 @@ private:
   std::array<Sample, 3> inner_;    // the latest ones
   std::vector<Sample> pool_;       // one middle for each depth of the search
   std::vector<double> endsError_;  // of guards, while fromEnds_
+  std::vector<int> falling_;       // workspace of fallingForce
   std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_, boxCenter_, boxRadius_;
 };
 

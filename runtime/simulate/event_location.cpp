@@ -87,6 +87,24 @@ bool EventDetection::missesZero(const DetectedEvent &event) {
          std::abs(dynamics_.guardValue(event.guard) - level(event.guard)) > threshold(event.guard);
 }
 
+int EventDetection::fallingForce(double time, const double *state, const double *rate) {
+  constexpr double zero = 1e-12;
+  falling_.clear();
+  for (int k = dynamics_.gapGuardCount(); k < static_cast<int>(dynamics_.guards().size()); ++k)
+    if (const Guard &g = dynamics_.guards()[k]; g.kind == GuardKind::Force && std::abs(dynamics_.guardValue(k)) <= zero * g.scale)
+      falling_.push_back(k);
+  if (falling_.empty())
+    return -1;
+  const double increment = stepAside(time, state, rate);
+  int first = -1;
+  if (dynamics_.evaluate(time + increment, state_.data(), scratch_.data()))
+    if (const auto found = std::find_if(falling_.begin(), falling_.end(),
+                                        [this](int k) { return dynamics_.guardValue(k) < -zero * dynamics_.guards()[k].scale; });
+        found != falling_.end())
+      first = *found;
+  return dynamics_.evaluate(time, state, scratch_.data()) ? first : -1;
+}
+
 int EventDetection::brokenForce() {
   int worst = -1;
   double least = -1;

@@ -32,11 +32,11 @@ std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings
   if (settings.fixedStep > 0)
     return std::make_unique<DormandPrince>(size);
   if (settings.tolerance <= tight && !slipsTurn)
-    return std::make_unique<DormandPrince8>(size);
+    return std::make_unique<DormandPrince8>(size, settings.tolerance);
   const bool isHigh = settings.tolerance <= loose;
   std::unique_ptr<ExplicitMethod> pair, low;
   if (isHigh) {
-    pair = std::make_unique<DormandPrince8>(size);
+    pair = std::make_unique<DormandPrince8>(size, settings.tolerance);
     low = std::make_unique<DormandPrince>(size);
   } else {
     pair = std::make_unique<DormandPrince>(size);
@@ -47,9 +47,9 @@ std::unique_ptr<ElementMethod> explicitMethod(int size, const IntegratorSettings
   if (settings.isDifferentiated)
     stabilised = nullptr;
   else if (settings.tolerance > ofRock2)
-    stabilised = std::make_unique<Rock2>(size);
+    stabilised = std::make_unique<Rock2>(size, settings.tolerance);
   else
-    stabilised = std::make_unique<Rock4>(size);
+    stabilised = std::make_unique<Rock4>(size, settings.tolerance);
   return std::make_unique<StabilisedPair>(size, std::move(pair), std::move(low), std::move(stabilised));
 }
 

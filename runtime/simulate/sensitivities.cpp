@@ -244,20 +244,22 @@ Eigen::VectorXd Sensitivities::rounding(double length) {
 }
 
 // What each derivative may be wrong by over a piece: the tolerance of what it has been up to now, or of a part of what the column has; not
-// less than rounding.
+// less than rounding, nor than where another value of the parameter, twice the one, moves the state by a part of its tolerance: what begins
+// as rounding, as k*(1 − cos(time)), is resolved from there on.
 void Sensitivities::allowErrors(const IntegratorSettings &settings, double length) {
-  constexpr double part = 1e-3, solutionRounding = 1e-14, margin = 10;
+  constexpr double part = 1e-3, smallPart = 1e-6, solutionRounding = 1e-14, margin = 10;
   const Eigen::Map<const Eigen::VectorXd> scale(settings.scale.data(), n_);
   const Eigen::VectorXd rounded = rounding(length);
   seen_ = largest_.cwiseMax(next_.cwiseAbs());
   for (Eigen::Index k = 0; k < next_.cols(); ++k) {
     const Column &column = columns_[static_cast<std::size_t>(k)];
     const double whole = seen_.col(k).cwiseQuotient(scale).maxCoeff();
-    const double noise = column.movesModel ? margin * column.shortening * scaleOf(column, still_.data()) / differenceStep : 0;
+    const double relative = column.movesModel ? scaleOf(column, still_.data()) : 0;
+    const double noise = margin * column.shortening * relative / differenceStep;
     // Rows whose terms are small may have the rounding errors of others, which go into them through M.
     const double mixed = noise * rounded.cwiseQuotient(scale).maxCoeff();
     for (Eigen::Index i = 0; i < n_; ++i) {
-      allowed_(i, k) = std::max(settings.tolerance * std::max(seen_(i, k), part * whole * scale[i]),
+      allowed_(i, k) = std::max(settings.tolerance * std::max({seen_(i, k), part * whole * scale[i], smallPart * relative * scale[i]}),
                                 noise * rounded[i] + solutionRounding * whole * scale[i]);
       visible_(i, k) = std::max(allowed_(i, k), mixed * scale[i]);
     }

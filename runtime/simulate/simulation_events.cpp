@@ -256,7 +256,7 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   if (dynamics_.guards()[event.guard].kind == GuardKind::Condition)
     if (const int slip = slipThatStops(); slip >= 0)
       event.guard = slip;
-  const Guard guard = dynamics_.guards()[event.guard];
+  Guard guard = dynamics_.guards()[event.guard];
   SmoothIntegrator &integrator = integrators_.current();
   if (stops)
     dynamics_.projectStop(integrator.endTime(), integrator.end(), integrator.settings().scale.data(), event.guard, stopTolerance());
@@ -273,9 +273,18 @@ tf_status Simulation::Implementation::handle(DetectedEvent event, double limit) 
   stopping_ = {};
   if (committed != TF_OK)
     return committed;
-  // Other least-norm forces of redundant contacts: the same motion, no event.
-  if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard))
-    return resumeTurned(limit);
+  // Other least-norm forces of redundant contacts: the same motion, no event, unless others of these fall to zero at once and none is left
+  // to take over.
+  for (std::size_t k = 0;
+       guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()) && dynamics_.rechoose(event.guard); ++k) {
+    const int other = k < dynamics_.guards().size() && dynamics_.evaluate(time_, state_.data(), rate_.data())
+                          ? detection_.fallingForce(time_, state_.data(), rate_.data())
+                          : -1;
+    if (other < 0)
+      return resumeTurned(limit);
+    event.guard = other;
+    guard = dynamics_.guards()[other];
+  }
   if (guard.kind == GuardKind::Force && dynamics_.evaluate(time_, state_.data(), rate_.data()))
     if (const int contact = jamAt(event.guard); contact >= 0)
       return jam(contact);

@@ -138,13 +138,16 @@ tf_status Simulation::Implementation::checkJumpOf(HeldRow (*largestHeld)(ModelEv
 }
 
 // The component of the rate that jumps inside the integrator's step, −1: none. What `noEvent` and `smooth` hide is no event; its time moves
-// with the motion all the same. Where friction turns with a slip that starts, it seems to jump.
+// with the motion all the same. Where friction turns with a slip that starts, it seems to jump. Steps are so short where they meet a jump
+// that it changes the motion over them by about the tolerance; what changes it by far less, or by rounding, is the rounding of the rate.
 int Simulation::Implementation::jumpingRate() {
   constexpr double visible = 1e-6, mixed = 1e-3, lopsided = 0.3, remaining = 0.5, alike = 0.2,
                    resolution = 8 * std::numeric_limits<double>::epsilon();
   SmoothIntegrator &integrator = integrators_.current();
   if (dynamics_.hasTurningSlips())
     return -1;
+  const double least = std::max(1e-4 * owner_.options.tolerance, 64 * std::numeric_limits<double>::epsilon()),
+               length = integrator.endTime() - integrator.beginTime();
   double low = integrator.beginTime(), high = integrator.endTime();
   std::vector<double> first(integrator.beginRate(), integrator.beginRate() + n_), last(integrator.endRate(), integrator.endRate() + n_),
       inside(first.size());
@@ -165,7 +168,8 @@ int Simulation::Implementation::jumpingRate() {
   double most = visible;
   for (int i = model_.nq; i < at_.tauIndex(); ++i) {
     const double change = std::abs(last[i] - first[i]), size = std::max(terms[i], mixed * largest) * scale[i];
-    if (change > most * size && std::abs(inside[i] - 0.5 * (first[i] + last[i])) > lopsided * change) {
+    if (change > most * size && change * length > least * scale[i] &&
+        std::abs(inside[i] - 0.5 * (first[i] + last[i])) > lopsided * change) {
       most = change / size;
       found = i;
     }

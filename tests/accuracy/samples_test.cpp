@@ -161,5 +161,58 @@ TEST(Sampling, HasSensitivities) {
     EXPECT_NEAR(sampled[k], exact[k], 1e-5) << k;
 }
 
+// x'' = −c (x' + x): stability limits explicit steps long before the slow component does, so that samples are far inside them.
+TEST(Sampling, OfDampedMotionIsAsExactAsTheSteps) {
+  const std::string file = sourceFile("damped_return.tf", R"(
+model DampedReturn
+  parameter Real c = 30;
+  coordinate Real x(start = 1);
+  body a(mass = 1, position = x);
+  force damper(value = -c*(der(x) + x), at = x);
+end DampedReturn;
+)");
+  const double end = 4;
+  for (const double c : {10, 20, 30, 50, 100, 1000})
+    for (const double tolerance : {1e-3, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10})
+      for (const tf_integrator integrator : {TF_AUTO, TF_EXPLICIT}) {
+        const double root = std::sqrt(c * c / 4 - c), fast = -c / 2 - root, slow = c / fast;
+        double worst = 0;
+        CompiledModel model(file, {{"c", c}});
+        model.tolerance(tolerance).integrator(integrator).initialise();
+        sample(model, end, [&] {
+          const double a = std::exp(slow * model["time"]), b = std::exp(fast * model["time"]);
+          worst = std::max({worst, std::abs(model["x"] - (fast * a - slow * b) / (fast - slow)),
+                            std::abs(model["der(x)"] - c * (a - b) / (fast - slow))});
+        });
+        EXPECT_LE(worst, 20 * tolerance) << c << ", " << tolerance << ", integrator " << integrator;
+      }
+}
+
+// A state that follows a target which jumps: transients behind the jump are not leapt over, and after them, in steps of many times its time
+// constant, samples are at the target.
+TEST(Sampling, BehindAJumpIsAsExactAsTheSteps) {
+  const std::string file = sourceFile("actuator.tf", R"(
+model Actuator
+  parameter Real rate = 1000, target = 2;
+  Real F(start = 1);
+equation
+  der(F) = -rate*(F - (if time < 1 then 1 else target));
+end Actuator;
+)");
+  for (const double rate : {100, 215, 464, 1000, 2154, 4642, 10000})
+    for (const double target : {-2.7, 0.2, 1.5, 3.2})
+      for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7}) {
+        double worst = 0;
+        CompiledModel model(file, {{"rate", rate}, {"target", target}});
+        model.tolerance(tolerance).initialise();
+        sample(model, 2, [&] {
+          const double t = model["time"];
+          const double expected = t < 1 ? 1 : target + (1 - target) * std::exp(-rate * (t - 1));
+          worst = std::max(worst, std::abs(t == 1 ? 0 : model["F"] - expected));
+        });
+        EXPECT_LE(worst, 20 * tolerance) << rate << ", " << target << ", " << tolerance;
+      }
+}
+
 }  // namespace
 }  // namespace tf::test

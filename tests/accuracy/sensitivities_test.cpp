@@ -529,6 +529,31 @@ TEST(Sensitivities, OfWhatContactsHoldStayZero) {
 }
 
 // The time of a jump that no event shows moves with the parameter: derivatives that leave that out would be wrong.
+// Rates that begin as rounding errors, which are no jumps and are resolved from where they can be seen on. All are linear in k, so that
+// d(x)/d(k) is x/k.
+TEST(Sensitivities, OfRatesThatCancelAtFirstAreKnown) {
+  int number = 0;
+  for (const char *rate : {"1 - cos(time)", "log(1 + time^2)", "sin(time) - time", "exp(time) - 1 - time", "(1 + time)^2 - 1 - 2*time",
+                           "1e4*(sqrt(1 + 1e-8*sin(time)) - 1)", "(1e8 + time) - 1e8", "max(0, time - 0.5)^1.5"}) {
+    SCOPED_TRACE(rate);
+    const std::string text = std::string("model Cancelling\n  parameter Real k = 4;\n  Real x;\n  coordinate Real y;\n") +
+                             "  body b(mass = 1, position = y);\n  force f(value = k*(" + rate + "), at = y);\nequation\n  der(x) = k*(" +
+                             rate + ") - x;\nend Cancelling;\n";
+    const std::string file = sourceFile("cancelling" + std::to_string(++number) + ".tf", text);
+    for (const double tolerance : {1e-4, 1e-6, 1e-8, 1e-10, 1e-12})
+      withEachIntegrator(
+          file, tolerance, 6,
+          [&](CompiledModel &model) {
+            for (const char *variable : {"x", "y", "der(y)"}) {
+              const double expected = model[variable] / 4;
+              EXPECT_NEAR(sensitivity(model, variable, 0), expected, 1e3 * std::max(tolerance, 1e-11) * std::max(1.0, std::abs(expected)))
+                  << variable << ", " << tolerance;
+            }
+          },
+          {}, [](CompiledModel &model) { differentiateBy(model, {"k"}); });
+  }
+}
+
 TEST(Sensitivities, OverJumpsThatNoEventShowsAreRefused) {
   const std::pair<const char *, const char *> cases[] = {
       {"force f(value = noEvent(if x > L then -1 else 0), at = x);\n  contact floor(gap = y)", "'der(der(x))'"},

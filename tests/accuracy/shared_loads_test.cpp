@@ -44,6 +44,79 @@ end Body;
   }
 }
 
+// A wall of bricks, heavier ones above, on a belt that shakes: all joints are at their limit of friction, and what the many shares of the
+// load contradict one another by is rounding. The wall slides as one body does, in a few steps.
+TEST(SharedLoads, AWallOnAShakingBeltSlidesAsOneBody) {
+  const std::string wall = sourceFile("wall.tf", R"(
+model Wall
+  constant Integer n = 10, m = 12;
+  constant Integer under[m] = {1, 2, 2, 3, 4, 4, 5, 5, 6, 7, 7, 8}, over[m] = {4, 4, 5, 5, 6, 7, 7, 8, 9, 9, 10, 10};
+  parameter Real a = 0.2, b = 0.1, mu = 0.4, space = 0.42, belt = 2, om = 8;
+  parameter Real place[n, 2] = {{0, 0}, {1, 0}, {2, 0}, {0.5, 1}, {1.5, 1}, {0, 2}, {1, 2}, {2, 2}, {0.5, 3}, {1.5, 3}};
+  parameter Real mass[n] = {10^(place[i, 2] - 1) for i in 1:n};
+  parameter Real side[m] = {if place[over[k], 1] > place[under[k], 1] then 1 else -1 for k in 1:m};
+  coordinate Real r[n, 2](start = {{space*place[i, 1], b + 2*b*place[i, 2]} for i in 1:n});
+  coordinate Real phi[n];
+  body brick[n](mass = mass, position = r, angle = phi, inertia = mass*(a^2 + b^2)/3);
+  gravity weight(acceleration = {0, -9.81});
+  Real x[n, 2] = {{cos(phi[i]), sin(phi[i])} for i in 1:n}, y[n, 2] = {{-sin(phi[i]), cos(phi[i])} for i in 1:n};
+  Real foot[6, 2] = {r[div(k + 1, 2), :] + (if mod(k, 2) == 0 then a else -a)*x[div(k + 1, 2), :] - b*y[div(k + 1, 2), :] for k in 1:6};
+  contact floor[6](gap = foot[:, 2], slip = {der(foot[k, 1]) - belt*sin(om*time) for k in 1:6}, each friction = mu);
+  Real low[m, 2] = {r[over[k], :] - side[k]*a*x[over[k], :] - b*y[over[k], :] - r[under[k], :] for k in 1:m};
+  Real high[m, 2] = {r[under[k], :] + side[k]*a*x[under[k], :] + b*y[under[k], :] - r[over[k], :] for k in 1:m};
+  Real onTop[m, 2] = {{low[k, :]*x[under[k], :], low[k, :]*y[under[k], :]} for k in 1:m};
+  Real below[m, 2] = {{high[k, :]*x[over[k], :], high[k, :]*y[over[k], :]} for k in 1:m};
+  contact joint[m, 2](gap = {{onTop[k, 2] - b, -below[k, 2] - b} for k in 1:m},
+    slip = {{der(onTop[k, 1]), -der(below[k, 1])} for k in 1:m}, each friction = mu);
+end Wall;
+)");
+  const std::string body = sourceFile("body_on_a_belt.tf", R"(
+model Body
+  parameter Real mu = 0.4, belt = 2, om = 8;
+  coordinate Real x;
+  body b(mass = 1, position = x);
+  friction f(slip = der(x) - belt*sin(om*time), bound = mu*9.81);
+end Body;
+)");
+  CompiledModel one(body);
+  one.tolerance(1e-10).run(0.5);
+  for (const double tolerance : {1e-5, 1e-9}) {
+    CompiledModel bricks(wall);
+    bricks.tolerance(tolerance).run(0.5);
+    EXPECT_NEAR(bricks["r[1,1]"], one["x"], 10 * tolerance) << tolerance;
+    EXPECT_NEAR(bricks["r[10,1]"], 1.5 * 0.42 + one["x"], 10 * tolerance) << tolerance;
+    EXPECT_LT(tf_get_statistics(bricks.simulation())->evaluations, 4000) << tolerance;
+  }
+}
+
+// A force that grows tips a box whose corners have several contacts each: the load of a corner falls to zero in all of its contacts at
+// once, and the box tips where it does with one.
+TEST(SharedLoads, CornersWithSeveralContactsOpenInTime) {
+  const std::string file = sourceFile("tipped_box.tf", R"(
+model TippedBox
+  constant Integer n = 6;
+  parameter Real a = 0.2, h = 0.5, push = 10, g = 9.81;
+  coordinate Real r[2](start = {0, h});
+  coordinate Real phi;
+  body box(mass = 1, position = r, angle = phi, inertia = 0.1);
+  gravity weight(acceleration = {0, -g});
+  force pull(value = push*time, at = r[1]);
+  Real corner[2*n, 2] = {r + {cos(phi)*s[k] + sin(phi)*h, sin(phi)*s[k] - cos(phi)*h} for k in 1:2*n};
+  parameter Real s[2*n] = {if k > n then a else -a for k in 1:2*n};
+  contact feet[2*n](gap = corner[:, 2], slip = der(corner[:, 1]), each friction = 2);
+end TippedBox;
+)");
+  for (const double tolerance : {1e-4, 1e-6, 1e-9}) {
+    CompiledModel box(file);
+    box.tolerance(tolerance).run(0.6);
+    ASSERT_EQ(box.count(TF_EVENT_OPENING), 6);
+    const double tips = 9.81 * 0.2 / (10 * 0.5);
+    EXPECT_NEAR(box.eventTime(TF_EVENT_OPENING), tips, 1e-12);
+    EXPECT_NEAR(box.eventTime(TF_EVENT_OPENING, 5), tips, 1e-12);
+    EXPECT_GE(tf_get_statistics(box.simulation())->worst_normal_force, -1e-11);
+  }
+}
+
 // Six discs in a box that shakes and is just too narrow for four side by side: where they jam, forces are large and hardly determined.
 TEST(SharedLoads, DiscsThatJamInABoxThatShakesGoOn) {
   const std::string file = sourceFile("discs_in_a_shaking_box.tf", R"(

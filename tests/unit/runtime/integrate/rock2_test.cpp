@@ -59,7 +59,7 @@ TEST(Rock2Tableaus, AreChosenByTheBorder) {
 
 // Both at the end and inside, with the estimate of the larger one.
 TEST(Rock2Test, HasADenseOutputOfItsOwnOrder) {
-  const test::DenseError wide = test::denseError<Rock2>(0.1), narrow = test::denseError<Rock2>(0.05);
+  const test::DenseError wide = test::denseError<Rock2>(0.05), narrow = test::denseError<Rock2>(0.025);
   EXPECT_NEAR(std::log2(wide.position / narrow.position), 3, 0.4);
   EXPECT_NEAR(std::log2(wide.velocity / narrow.velocity), 3, 0.4);
   EXPECT_LE(std::max(wide.position, wide.velocity), 3 * wide.estimated);

@@ -110,7 +110,7 @@ struct DenseError {
 // Of one step on the belt with so many stages that h times the radius is 100: inside and at its end.
 template <class Method> DenseError denseError(double h) {
   Belt belt;
-  Method method(3);
+  Method method(3, 1);
   method.setRadius(100 / h);
   EXPECT_TRUE(method.solve(belt.dynamics, 0, belt.state, belt.rate, h, belt.scale, 0));
   DenseError error;
