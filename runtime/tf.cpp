@@ -422,6 +422,16 @@ tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixe
   });
 }
 
+tf_status tf_set_longest_step(tf_simulation *simulation, double length) {
+  return guarded(simulation, [&](Content &content) {
+    if (!(length > 0))
+      return bad(simulation, fmt::format("the longest step must be positive, not {}", length));
+    TF_RETURN_UNLESS_OK(beginSetup(simulation, content));
+    content.options.longestStep = length;
+    return TF_OK;
+  });
+}
+
 tf_status tf_set_energy_balance(tf_simulation *simulation, int on) {
   return guarded(simulation, [&](Content &content) {
     TF_RETURN_UNLESS_OK(beginSetup(simulation, content));

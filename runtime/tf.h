@@ -103,7 +103,8 @@ const tf_model *tf_get_model(const tf_simulation *simulation);
 int32_t tf_find(const tf_simulation *simulation, const char *name);
 
 /* Before tf_initialise: parameters, starts of coordinates, velocities and states; set later they (and tolerance, integrator, step options,
- * energy balance, sensitivities) end the run, which then begins anew with tf_initialise. Also inputs, held constant, at any time. */
+ * longest step, energy balance, sensitivities) end the run, which then begins anew with tf_initialise. Also inputs, held constant, at any
+ * time. */
 tf_status tf_set(tf_simulation *simulation, const char *name, double value);
 /* An input's table: count points (times nondecreasing); zero-order hold or linear interpolation; the last value is held. Copied. */
 tf_status tf_set_input_table(tf_simulation *simulation, const char *name, const double *times, const double *values, size_t count,
@@ -119,6 +120,9 @@ tf_status tf_set_tolerance(tf_simulation *simulation, double tolerance);
 tf_status tf_set_integrator(tf_simulation *simulation, tf_integrator integrator);
 /* Step integrator: number of Radau IIA stages 1..4 (0: chosen by tolerance) and a fixed step (0: error-controlled). */
 tf_status tf_set_step_options(tf_simulation *simulation, int stages, double fixed_step);
+/* No step of any integrator is longer (infinity: as long as the errors allow): against forces of time or place that act for a small part of
+ * a step in which the motion is simple otherwise. */
+tf_status tf_set_longest_step(tf_simulation *simulation, double length);
 /* Keeps account of work and losses (on != 0): the results energy.work, energy.frictionLoss and energy.impactLoss, NaN without it, and the
  * balance's error in the statistics, where all worst values are then taken over all steps. It costs a few evaluations of the model in each
  * step. Off at first. */

@@ -178,6 +178,7 @@ struct RunSyntax : Syntax {
     option("--integrator", integrator, "NAME", "auto, step, cvode or explicit [auto]");
     option("--stages", stages, "S", "stages of the step integrator, 1 to 4 [by tolerance]");
     option("--fixed-step", fixedStep, "H", "step integrator without error control");
+    option("--longest-step", longestStep, "H", "no step is longer [as the errors allow]");
     option("--events", events, "both|after", "rows of the result at an event: before and after it, or after it [both]");
     option("-o,--output", output, "FILE", "result: .csv or .json");
     option("--variables", variables, "NAME",
@@ -194,8 +195,8 @@ struct RunSyntax : Syntax {
     app->add_flag("--no-cache", noCache, "neither use nor store compiled code")->disable_flag_override();
   }
 
-  Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, events, output, eventLog, variables,
-      sensitivities;
+  Values input, interpolation, startTime, stopTime, tolerance, interval, integrator, stages, fixedStep, longestStep, events, output,
+      eventLog, variables, sensitivities;
   bool quiet = false, verbose = false, noCache = false, checkInvariants = false;
 
   void finish(RunOptions &options, Reader &reader, Diagnostics &diagnostics) const {
@@ -209,6 +210,7 @@ struct RunSyntax : Syntax {
     options.integrator = reader.choice("--integrator", integrator, kIntegrators, TF_AUTO);
     options.stages = reader.integer("--stages", stages, 1, 4).value_or(0);
     options.fixedStep = reader.positive("--fixed-step", fixedStep).value_or(0);
+    options.longestStep = reader.positive("--longest-step", longestStep).value_or(std::numeric_limits<double>::infinity());
     options.events = reader.choice("--events", events, kEventRows, EventRows::Both);
     options.output = reader.name("-o", output);
     options.eventLog = reader.name("--event-log", eventLog);
@@ -232,6 +234,8 @@ private:
       diagnostics.report(diag::OptionNeedsOption, {}, "--stages", "with this integrator: it belongs to --integrator step");
     if (options.fixedStep > 0 && otherIntegrator)
       diagnostics.report(diag::OptionNeedsOption, {}, "--fixed-step", "with this integrator: it belongs to --integrator step");
+    if (options.fixedStep > 0 && std::isfinite(options.longestStep))
+      diagnostics.report(diag::OptionNeedsOption, {}, "--longest-step", "together with --fixed-step");
     if (!options.sensitivities.empty() && options.output.empty())
       diagnostics.report(diag::OptionNeedsOption, {}, "--sensitivity", "without -o: derivatives are columns of the result");
     if (options.quiet && options.verbose)

@@ -39,6 +39,7 @@ struct RunOptions : ModelOptions {
   tf_integrator integrator = TF_AUTO;
   int stages = 0;
   double fixedStep = 0;
+  double longestStep = std::numeric_limits<double>::infinity();
   EventRows events = EventRows::Both;
   std::string output, eventLog;
   bool quiet = false, verbose = false, noCache = false;

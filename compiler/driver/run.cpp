@@ -82,6 +82,7 @@ void configure(tf_simulation *simulation, const RunOptions &options, const tf_mo
   tf_set_integrator(simulation,
                     options.integrator == TF_AUTO && (options.stages > 0 || options.fixedStep > 0) ? TF_STEP : options.integrator);
   tf_set_step_options(simulation, options.stages, options.fixedStep);
+  tf_set_longest_step(simulation, options.longestStep);
   // Without variables that are named only coordinates, velocities and states are shown.
   const bool mayShowEnergies = !options.output.empty() || !options.variables.empty();
   tf_set_energy_balance(simulation, options.checkInvariants || mayShowEnergies ? 1 : 0);

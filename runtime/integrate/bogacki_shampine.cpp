@@ -1,5 +1,6 @@
 #include "runtime/integrate/bogacki_shampine.h"
 
+#include <cmath>
 #include <cstddef>
 #include <utility>
 
@@ -14,6 +15,9 @@ constexpr double nodes[] = {0, 1.0 / 2, 3.0 / 4};
 constexpr double weights[3][2] = {{}, {1.0 / 2}, {0, 3.0 / 4}};
 constexpr double result[1][3] = {{2.0 / 9, 1.0 / 3, 4.0 / 9}};
 constexpr double difference[1][4] = {{-5.0 / 72, 1.0 / 12, 1.0 / 9, -1.0 / 8}};
+// A sixteenth of what the midpoint rule differs by: of y' = λ y half of the estimate as h λ goes to zero, and of its size at h λ = −1 too,
+// where the estimate is zero and the error 0.03.
+constexpr double ofMidpoint[1][3] = {{1.0 / 72, -1.0 / 24, 1.0 / 36}};
 
 }  // namespace
 
@@ -31,8 +35,12 @@ bool BogackiShampine::solve(ModeDynamics &dynamics, double t0, const double *y0,
   std::copy_n(endRate_.begin(), n_, stage(stageCount));
   const double *k = stages_.data();
   double *error = error_.data();
-  for (std::size_t i = 0, stride = stride_; i < stride; i += 2)
-    store(error + i, h * weightedSum<Pair, difference, 0>(k + i, stride, std::make_index_sequence<storedCount>()));
+  for (std::size_t i = 0, stride = stride_; i < stride; i += 2) {
+    const Pair first = h * weightedSum<Pair, difference, 0>(k + i, stride, std::make_index_sequence<storedCount>());
+    const Pair second = h * weightedSum<Pair, ofMidpoint, 0>(k + i, stride, std::make_index_sequence<stageCount>());
+    for (std::size_t lane = 0; lane < 2; ++lane)
+      error[i + lane] = std::abs(first[lane]) > std::abs(second[lane]) ? first[lane] : second[lane];
+  }
   return true;
 }
 

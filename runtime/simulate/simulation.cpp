@@ -212,6 +212,7 @@ tf_status Simulation::Implementation::shortenToDefined(DetectedEvent &event) {
 tf_status Simulation::Implementation::step(double limit) {
   if (skipTo(limit))
     return TF_OK;
+  limit = std::min(limit, time_ + owner_.options.longestStep);
   if (const int guard = chatteringSlip(); guard >= 0)
     return stopLingering(guard, limit);
   // Where the interpolant is worse than the step, this ends at the sample.

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -18,8 +19,9 @@ namespace tf::runtime {
 struct SimulationOptions {
   double tolerance = 1e-6;  // relative, and absolute in units of each variable's nominal
   tf_integrator integrator = TF_AUTO;
-  int stages = 0;                           // Radau IIA stages 1..4; 0: by tolerance
-  double fixedStep = 0;                     // > 0: no error control (studies of order)
+  int stages = 0;        // Radau IIA stages 1..4; 0: by tolerance
+  double fixedStep = 0;  // > 0: no error control (studies of order)
+  double longestStep = std::numeric_limits<double>::infinity();
   std::vector<std::int32_t> sensitivities;  // numbers of the variables by which the run is differentiated
   bool energyBalance = false;               // work, losses and the balance's error
 };

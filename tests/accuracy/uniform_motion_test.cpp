@@ -1,6 +1,6 @@
 // Free flight with constant accelerations and rest that nothing can end are followed in closed form: exact over any time, and without
 // evaluations of the model on the way.
-#include "tests/accuracy/support/compiled_model.h"
+#include "tests/accuracy/each_integrator.h"
 
 #include <cmath>
 #include <gtest/gtest.h>
@@ -198,6 +198,37 @@ end Sphere;
   EXPECT_EQ(sphere["r[1]"], 0);
   sphere.advance(11);
   EXPECT_NEAR(sphere["r[1]"], 0.5 / (1 + 0.4), 1e-8);
+}
+
+// A bead that coasts on a rail, towards a rise that is a fiftieth of what it passes in a second: it has not the energy for it.
+TEST(UniformMotion, IsNotLongerThanTheLongestStep) {
+  const std::string file = sourceFile("rising_rail.tf", R"(
+model RisingRail
+  coordinate Real x(der(start = 1.5)), y;
+  body bead(mass = 1, position = {x, y});
+  gravity weight(acceleration = {0, -50});
+  constraint rail(residual = y - 0.05*(tanh(200*(x - 1)) - tanh(-200)));
+end RisingRail;
+)");
+  for (const double tolerance : {1e-4, 1e-7})
+    withEachIntegrator(
+        file, tolerance, 3,
+        [&](CompiledModel &model) {
+          EXPECT_NEAR(model["der(x)"], -1.5, 1e3 * tolerance) << tolerance;
+          EXPECT_GE(tf_get_statistics(model.simulation())->steps, 150) << tolerance;
+        },
+        {}, [](CompiledModel &model) { ASSERT_EQ(tf_set_longest_step(model.simulation(), 0.02), TF_OK); });
+  CompiledModel shot(sourceFile("shot.tf", R"(
+model Shot
+  coordinate Real y(der(start = 20));
+  body stone(mass = 1, position = y);
+  force weight(value = -10, at = y);
+end Shot;
+)"));
+  ASSERT_EQ(tf_set_longest_step(shot.simulation(), 0.25), TF_OK);
+  shot.run(1);
+  EXPECT_EQ(tf_get_statistics(shot.simulation())->steps, 4);
+  EXPECT_NEAR(shot["y"], 15, 1e-13);
 }
 
 }  // namespace

@@ -338,6 +338,7 @@ TEST(LibTf, SettingsEndTheRun) {
   ended(tf_set_tolerance(particle.get(), 1e-3));
   ended(tf_set_integrator(particle.get(), TF_STEP));
   ended(tf_set_step_options(particle.get(), 2, 0));
+  ended(tf_set_longest_step(particle.get(), 0.5));
   EXPECT_EQ(tf_set(particle.get(), "mu", -1), TF_BAD_ARGUMENT);  // refused: the run goes on
   EXPECT_EQ(tf_set(particle.get(), "u[1]", 1), TF_OK);
   EXPECT_EQ(tf_step(particle.get(), 0.1), TF_OK);
@@ -370,6 +371,8 @@ TEST(LibTf, ChecksArguments) {
   EXPECT_EQ(tf_set_tolerance(particle.get(), std::nan("")), TF_BAD_ARGUMENT);
   EXPECT_EQ(tf_set_step_options(particle.get(), 5, 0), TF_BAD_ARGUMENT);
   EXPECT_EQ(tf_set_step_options(particle.get(), 1, -1), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_longest_step(particle.get(), 0), TF_BAD_ARGUMENT);
+  EXPECT_EQ(tf_set_longest_step(particle.get(), std::nan("")), TF_BAD_ARGUMENT);
   EXPECT_TRUE(std::isnan(tf_get(particle.get(), -1)));
   EXPECT_TRUE(std::isnan(tf_get(particle.get(), 1000)));
   EXPECT_EQ(tf_set(particle.get(), "muu", 1), TF_BAD_ARGUMENT);
