@@ -28,6 +28,43 @@ std::vector<int> variationOfNodes(const ir::Graph &graph) {
   return all;
 }
 
+// Functions that may be the same on both sides of a place and change there.
+bool isLocal(ir::Op op) {
+  switch (op) {
+  case ir::Op::Exp:
+  case ir::Op::Tanh:
+  case ir::Op::Atan:
+  case ir::Op::Abs:
+  case ir::Op::Sign:
+  case ir::Op::Min:
+  case ir::Op::Max:
+  case ir::Op::Floor:
+  case ir::Op::Ceil:
+  case ir::Op::IfElse:
+  case ir::Op::Select:
+    return true;
+  default:
+    return false;
+  }
+}
+
+// Of every node: a local function of coordinates is part of it.
+std::vector<bool> localNodes(const ir::Graph &graph) {
+  const auto size = static_cast<std::size_t>(graph.size());
+  std::vector<bool> moves(size), local(size);
+  for (ir::NodeId id = 0; id < graph.size(); ++id) {
+    const ir::Node &node = graph[id];
+    const auto k = static_cast<std::size_t>(id);
+    moves[k] = node.op == ir::Op::Symbol && node.symbol.kind == ir::SymbolKind::Coordinate;
+    for (int j = 0; j < node.arity; ++j) {
+      const auto operand = static_cast<std::size_t>(node.operands[j]);
+      moves[k] = moves[k] || moves[operand];
+      local[k] = local[k] || local[operand] || (isLocal(node.op) && moves[operand]);
+    }
+  }
+  return local;
+}
+
 // As a function of the coordinates, with coefficients that are parameters'.
 enum class Form : std::uint8_t { Constant, Affine, Other };
 
@@ -95,6 +132,36 @@ int bindingDepth(const HybridSystem &system) {
 
 bool massIsConstant(const HybridSystem &system) {
   return !ir::dependsOn(system.graph, system.massProduct.empty() ? system.mass : system.massProduct, variesInARun);
+}
+
+int locality(const HybridSystem &system) {
+  const std::vector<bool> all = localNodes(system.graph);
+  int result = 0;
+  const auto add = [&](int bit, const std::vector<ir::NodeId> &nodes) {
+    for (const ir::NodeId node : nodes)
+      if (node >= 0 && all[static_cast<std::size_t>(node)])
+        result |= bit;
+  };
+  for (const Contact &contact : system.contacts) {
+    add(TF_LOCAL_GUARDS, {contact.gap});
+    add(TF_LOCAL_FORCES, {contact.bias, contact.friction});
+    add(TF_LOCAL_FORCES, contact.normal);
+  }
+  for (const TangentRow &row : system.tangents) {
+    add(TF_LOCAL_FORCES, {row.bias});
+    add(TF_LOCAL_FORCES, row.jacobian);
+  }
+  for (const SwitchingFunction &entry : system.switches)
+    add(TF_LOCAL_GUARDS, {entry.condition});
+  for (const FrictionElement &element : system.frictions)
+    add(TF_LOCAL_FORCES, {element.bound});
+  for (const ConstraintRow &row : system.constraintRows) {
+    add(TF_LOCAL_FORCES, {row.bias});
+    add(TF_LOCAL_FORCES, row.jacobian);
+  }
+  for (const auto *nodes : {&system.mass, &system.massProduct, &system.contactForce, &system.force, &system.stateDerivatives})
+    add(TF_LOCAL_FORCES, *nodes);
+  return result;
 }
 
 bool flightIsUniform(const HybridSystem &system) {

@@ -11,6 +11,8 @@ namespace tf::codegen {
 [[nodiscard]] int bindingDepth(const HybridSystem &system);
 // M depends on parameters only.
 [[nodiscard]] bool massIsConstant(const HybridSystem &system);
+// tf_model::locality.
+[[nodiscard]] int locality(const HybridSystem &system);
 // tf_model::uniform_flight.
 [[nodiscard]] bool flightIsUniform(const HybridSystem &system);
 // tf_contact::friction_varies.

@@ -186,6 +186,7 @@ void emitModelTable(const HybridSystem &system, const SourceManager &sources, co
   fields.push_back(build.integer(bindingDepth(system)));
   fields.push_back(build.integer(massIsConstant(system) ? 1 : 0));
   fields.push_back(build.integer(system.massProduct.empty() ? 0 : 1));
+  fields.push_back(build.integer(locality(system)));
   fields.push_back(build.integer(flightIsUniform(system) ? 1 : 0));
   for (llvm::Constant *table : massTables(system, build))
     fields.push_back(table);

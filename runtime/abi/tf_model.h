@@ -22,7 +22,7 @@
 extern "C" {
 #endif
 
-#define TF_ABI_VERSION 15u
+#define TF_ABI_VERSION 16u
 #define TF_MAGIC 0x54464D31u /* "TFM1" */
 #define TF_MODEL_SYMBOL "tf_model_v1"
 
@@ -186,6 +186,10 @@ typedef struct tf_switch {
 /* On what a function depends explicitly. */
 enum tf_variation { TF_VARIES_WITH_TIME = 1, TF_VARIES_WITH_INPUTS = 2 };
 
+/* What may change at a place and be the same on both sides of it, as functions of the coordinates with exp or tanh, or that noEvent or
+   smooth chooses. */
+enum tf_locality { TF_LOCAL_GUARDS = 1 /* gaps, c */, TF_LOCAL_FORCES = 2 /* what accelerations follow from */ };
+
 typedef struct tf_model {
   uint32_t magic, abi_version;
   const char *name, *description;
@@ -206,6 +210,7 @@ typedef struct tf_model {
   int32_t binding_depth;            /* bindings must be evaluated this often for all bound parameters to be right */
   int32_t mass_is_constant;         /* M depends on parameters only */
   int32_t mass_products;            /* `dynamics` has them */
+  int32_t locality;                 /* bits of tf_locality */
   int32_t uniform_flight;           /* nz = nh = nr = 0, and f depends on parameters only as well: free flight has constant accelerations */
   /* Entries of M below the diagonal that may differ from zero: mass_columns[mass_rows[i]] ... mass_columns[mass_rows[i + 1] - 1] of row i,
      ascending. mass_rows: nv + 1; null where all entries may. */

@@ -186,6 +186,7 @@ void CvodeIntegrator::repeat(double limit) {
 
 StepStatus CvodeIntegrator::step(double limit) {
   Solver &s = *solver_;
+  limit = std::min(limit, endTime_ + longestUniform());
   beginTime_ = endTime_;
   begin_ = end_;
   beginRate_ = endRate_;

@@ -165,6 +165,7 @@ bool ElementIntegrator::meetsPeak(std::span<const double> places) {
 StepStatus ElementIntegrator::step(double limit) {
   if (moved_)
     method_->accept();
+  const double longest = longestUniform();
   beginTime_ = endTime_;
   begin_ = end_;
   beginRate_ = endRate_;
@@ -181,6 +182,7 @@ StepStatus ElementIntegrator::step(double limit) {
     next_ = settings_.fixedStep;
   else if (first_)
     next_ = initialStep(limit);
+  next_ = std::min(next_, longest);
   const double accuracy = stepAccuracy();
   for (bool rejected = false;; rejected = true) {
     next_ = method_->adjustStep(next_, dynamics_, beginTime_, begin_.data(), beginRate_.data(), scale_.data());

@@ -2,6 +2,10 @@
 
 #include "runtime/integrate/hermite_interpolation.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
 namespace tf::runtime {
 
 void SmoothIntegrator::interpolateEnds(double time, double *state) const {
@@ -10,6 +14,26 @@ void SmoothIntegrator::interpolateEnds(double time, double *state) const {
   interpolateBetween(
       {begin_.data(), beginRate_.data(), end_.data(), endRate_.data(), length, n_, model.kinematics == nullptr ? model.nq : 0},
       (time - beginTime_) / length, state);
+}
+
+double SmoothIntegrator::longestUniform() const {
+  constexpr double part = 1.0 / 32;
+  const tf_model &model = dynamics_.model().model();
+  double longest = std::numeric_limits<double>::infinity();
+  if ((model.locality & TF_LOCAL_FORCES) == 0 || settings_.fixedStep > 0)
+    return longest;
+  const double last = endTime_ - beginTime_;
+  for (int i = model.nq; i < model.nq + model.nv; ++i)
+    if (last * std::abs(endRate_[i] - beginRate_[i]) > settings_.tolerance * settings_.scale[i])
+      return longest;
+  const bool hasVelocities = model.kinematics == nullptr;
+  for (int i = 0; i < model.nq; ++i) {
+    const double way = part * std::max(settings_.scale[i], std::abs(end_[i]));
+    // rate h + acceleration h²/2 ≤ way
+    const double rate = std::abs(endRate_[i]), acceleration = hasVelocities ? std::abs(endRate_[model.nq + i]) : 0;
+    longest = std::min(longest, 2 * way / (rate + std::sqrt(rate * rate + 2 * acceleration * way)));
+  }
+  return longest;
 }
 
 bool SmoothIntegrator::moveInside(double time) {

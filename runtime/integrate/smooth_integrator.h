@@ -104,6 +104,10 @@ public:
   [[nodiscard]] const IntegratorSettings &settings() const { return settings_; }
 
 protected:
+  // How long the next step may be, from end_ on. Where forces may act at a place only (tf_locality) and the motion has been uniform up to
+  // there, errors do not show how far the next place is: coordinates move by a part of their magnitudes. Infinity of other motions.
+  [[nodiscard]] double longestUniform() const;
+
   ModeDynamics &dynamics_;
   IntegratorSettings settings_;
   int n_;

@@ -436,13 +436,19 @@ void EventDetection::examineDip(int guard, const Sample &a, const Sample &middle
 }
 
 // Functions of angles must not turn round unseen between two samples.
+// What a gap or condition has at a place only is at least so wide, in nominal magnitudes of the coordinates.
 double EventDetection::farthestTurn() const {
-  return dynamics_.model().model().nr > 0 ? 0.5 : 1;  // quaternions turn by half of the angle
+  constexpr double ofPlaces = 1.0 / 64;
+  const tf_model &model = dynamics_.model().model();
+  return (model.locality & TF_LOCAL_GUARDS) != 0 ? ofPlaces : model.nr > 0 ? 0.5 : 1;  // quaternions turn by half of the angle
 }
+
+// Rates beyond all measure; or coordinates whose nominal magnitudes say nothing of the places that matter.
+double EventDetection::mostIntervals() const { return (dynamics_.model().model().locality & TF_LOCAL_GUARDS) != 0 ? 4096 : 1e15; }
 
 // Into so many equal parts the step is divided at least.
 long long EventDetection::intervalCount() const {
-  constexpr double most = 1e15;  // rates beyond all measure
+  const double most = mostIntervals();
   const tf_model &model = dynamics_.model().model();
   const double h = end_.time - begin_.time;
   double turn = 0;
@@ -465,7 +471,7 @@ double EventDetection::nextUniformSample(double time) const {
     const double rate = std::abs(begin[i] + passed * (end[i] - begin[i])), acceleration = std::abs(end[i] - begin[i]) / length;
     distance = std::min(distance, 2 * turn / (rate + std::sqrt(rate * rate + 4 * acceleration * turn)));
   }
-  return time + distance;
+  return time + std::max(distance, length / mostIntervals());
 }
 
 DetectedEvent EventDetection::detect() {

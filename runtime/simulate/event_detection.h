@@ -112,6 +112,7 @@ private:
   bool sampleInside(double time, bool withForces, Sample &sample);
   [[nodiscard]] double farthestTurn() const;
   [[nodiscard]] long long intervalCount() const;
+  [[nodiscard]] double mostIntervals() const;
   [[nodiscard]] double nextUniformSample(double time) const;
   void examineSamples(bool withForces, DetectedEvent &first);
   [[nodiscard]] bool isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const;

@@ -67,12 +67,13 @@ bool EventDetection::parabolaEvent(int guard, DetectedEvent &first) const {
   return true;
 }
 
-// Whether gaps are the cubics through the ends of the step: a sample at a place that no period divides is the proof.
+// Whether gaps are the cubics through the ends of the step: a sample at a place that no period divides is the proof, where the step does
+// not lead so far that a gap may be another function on the way.
 bool EventDetection::fitCubics() {
   constexpr double place = 0.5 * 0.3819660112501051;
   constexpr double accepted = 1e-9;
   const double h = end_.time - begin_.time;
-  if (!sampleInside(begin_.time + place * h, false, inner_[0]))
+  if (intervalCount() > 2 || !sampleInside(begin_.time + place * h, false, inner_[0]))
     return false;
   for (const int k : awake_) {
     if (isSampled(k))

@@ -180,7 +180,7 @@ bool Sensitivities::mapColumns(const Map &map, double time, const double *state,
 // would grow.
 bool Sensitivities::holdRows(SmoothIntegrator &integrator, double time) {
   constexpr double rounding = 1e-11;
-  if (!dynamics_.hasRedundantRows())
+  if (!dynamics_.needsProjection())
     return true;
   const double *scale = integrator.settings().scale.data();
   const auto project = [this, scale](double at, double *state) {

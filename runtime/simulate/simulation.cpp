@@ -230,6 +230,8 @@ tf_status Simulation::Implementation::step(double limit) {
   integrators_.countStep(statistics_);
   if (const tf_status projected = projectEnd(); projected != TF_OK)
     return projected;
+  if (leapsHeld_ && owner_.options.fixedStep <= 0)
+    return endBeforeLeap(limit);
   DetectedEvent event;
   if (const tf_status searched = searchStep(event); searched != TF_OK)
     return searched;

@@ -85,6 +85,7 @@ public:
   std::unique_ptr<EnergyBalance> energy_;  // where it is asked for
   Invariants invariants_;
   std::unique_ptr<Sensitivities> sensitivities_;  // where they are asked for
+  bool leapsHeld_ = false;                        // the end that has been projected last has been moved by far more than the errors
   bool isShareLost_ = false;                      // theirs, unless nothing can move within what the tolerance leaves open
   bool hasStopMoved_ = false;                     // the latest differentiateStop has changed a derivative of a state
   bool areSensitivitiesLost_ = false;             // the run failed for them, and fails again
@@ -155,6 +156,7 @@ private:
   void giveSample(double time);
   tf_status projectEnd();
   bool isSuspicious(double correction);
+  tf_status endBeforeLeap(double limit);
   tf_status checkJump();
   int jumpingRate();
   tf_status checkJumpOf(HeldRow (*largestHeld)(ModelEvaluation &, const Mode &, double, const double *), const char *text);

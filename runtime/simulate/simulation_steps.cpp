@@ -60,20 +60,23 @@ void Simulation::Implementation::giveSample(double time) {
 // with the way from there, so that large ones take several. After one that is not negligible the dynamics is evaluated at the end.
 tf_status Simulation::Implementation::projectEnd() {
   constexpr int mostPasses = 8;
-  constexpr double rounding = 1e-14;
+  constexpr double rounding = 1e-14, tolerances = 100, visible = 1e-9;
+  leapsHeld_ = false;
   if (!dynamics_.needsProjection())
     return TF_OK;
   SmoothIntegrator &integrator = integrators_.current();
-  // At rest: the begin of a step has been projected.
-  if (std::equal(integrator.begin(), integrator.begin() + model_.nq + model_.nv, integrator.end()))
+  // At rest on what does not move: the begin of a step has been projected.
+  if (model_.variation == nullptr && std::equal(integrator.begin(), integrator.begin() + model_.nq + model_.nv, integrator.end()))
     return TF_OK;
   double way = 0, left = 1;
   for (int pass = 0; pass < mostPasses && left > rounding; ++pass) {
     const double before = integrator.correction();
     const double correction = dynamics_.project(integrator.endTime(), integrator.end(), integrator.settings().scale.data());
-    if (pass == 0 && isSuspicious(std::max(before, correction)))
+    if (const double first = std::max(before, correction); pass == 0 && isSuspicious(first)) {
       if (const tf_status status = checkJump(); status != TF_OK)
         return status;
+      leapsHeld_ = first > std::max(tolerances * integrator.settings().tolerance, visible);
+    }
     way += correction;
     left = correction * way;
     if (correction > integrator.negligibleCorrection()) {
@@ -83,6 +86,24 @@ tf_status Simulation::Implementation::projectEnd() {
     }
   }
   return TF_OK;
+}
+
+// Of a step in which what the mode holds moves far without a jump: a rise of the ground, say, that is over before it ends. A part of it in
+// which nothing of that is to be seen.
+tf_status Simulation::Implementation::endBeforeLeap(double limit) {
+  constexpr double part = 0.25, shortest = 1e-10;
+  SmoothIntegrator &integrator = integrators_.current();
+  const double least = shortest * std::max(timeScale(), std::abs(integrator.beginTime()));
+  bool isShorter = true;
+  for (double length = part * (integrator.endTime() - integrator.beginTime()); (leapsHeld_ || !isShorter) && length > least;
+       length *= part) {
+    isShorter = integrator.shorten(integrator.beginTime() + length);
+    if (const tf_status projected = isShorter ? projectEnd() : TF_OK; projected != TF_OK)
+      return projected;
+  }
+  if (!isShorter)
+    return failStep(StepStatus::TooSmall);
+  return endStep(integrator.endTime() - integrator.beginTime(), limit);
 }
 
 // A correction of the step's end that is far larger than its error, or a large part of the step.

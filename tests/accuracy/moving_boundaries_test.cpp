@@ -264,5 +264,40 @@ end HalfPipe;
     });
 }
 
+// The ground lifts a body that is pressed on it, smoothly, and in a small part of the time for which nothing moves before and after; a mass
+// hangs on a spring from the body. What holds the body gives no error that shows the rise.
+TEST(MovingBoundaries, AShortRiseOfTheGroundLiftsTheBody) {
+  const std::string file = sourceFile("short_rise.tf", R"(
+model ShortRise
+  parameter Real H = 0.12, duration = 0.1, begin = 0.25, k = 50;
+  Real s = (time - begin)/duration;
+  coordinate Real w, z;
+  body follower(mass = 1, position = w);
+  body hanging(mass = 1, position = z);
+  force spring(value = -k*(z - w), at = z - w);
+  force press(value = -1e5, at = w);
+  contact ground(gap = w - H*smooth(2, noEvent(if s <= 0 then 0 elseif s >= 1 then 1 else s^3*(10 - 15*s + 6*s^2))));
+end ShortRise;
+)");
+  for (const double duration : {0.1, 0.004}) {
+    CompiledModel exact(file, {{"duration", duration}});
+    exact.tolerance(1e-12).integrator(TF_STEP).run(2);
+    for (const double tolerance : {1e-4, 1e-6, 1e-9})
+      withEachIntegrator(
+          file, tolerance, 2,
+          [&](CompiledModel &model) {
+            EXPECT_NEAR(model["w"], 0.12, 1e-13) << tolerance;
+            EXPECT_NEAR(model["z"], exact["z"], 10 * tolerance) << tolerance;
+            EXPECT_NEAR(model["der(z)"], exact["der(z)"], 10 * tolerance * std::sqrt(50.0)) << tolerance;
+            EXPECT_NEAR(sensitivity(model, "w", 0), 1, 1e-9) << tolerance;
+            EXPECT_NEAR(sensitivity(model, "w", 1), 0, 1e-9) << tolerance;
+            // Motions at rest begin with the rise: z is one function of time less its begin.
+            // On the way derivatives are as large as the accelerations of the rise.
+            EXPECT_NEAR(sensitivity(model, "z", 1), -exact["der(z)"], 1000 * tolerance) << tolerance;
+          },
+          {{"duration", duration}}, [](CompiledModel &model) { differentiateBy(model, {"H", "begin"}); });
+  }
+}
+
 }  // namespace
 }  // namespace tf::test

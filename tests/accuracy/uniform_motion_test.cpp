@@ -200,6 +200,57 @@ end Sphere;
   EXPECT_NEAR(sphere["r[1]"], 0.5 / (1 + 0.4), 1e-8);
 }
 
+// What is met at a place only, of which nothing is to be seen where a long way begins and ends. A puck strikes a bump in its way: the bump
+// has its height where h = H exp(−u²), and the puck is reflected by its normal.
+TEST(UniformMotion, BumpsOnTheWayAreMet) {
+  const std::string file = sourceFile("bump.tf", R"(
+model Bump
+  parameter Real H = 0.3, s = 0.5;
+  coordinate Real x(der(start = 1)), y(start = 0.1);
+  body puck(mass = 1, position = {x, y});
+  contact wall(gap = y - H*exp(-((x - 5)/s)^2), restitution = 1);
+end Bump;
+)");
+  for (const double s : {0.5, 0.2, 0.1, 0.05})
+    withEachIntegrator(file, 1e-6, 10,
+                       [&](CompiledModel &model) {
+                         const double u = -std::sqrt(std::log(3.0)), place = 5 + s * u, slope = -2 * u / s * 0.1;
+                         EXPECT_EQ(model.count(TF_EVENT_IMPACT), 1) << s;
+                         EXPECT_NEAR(model["x"], place + (1 - slope * slope) / (1 + slope * slope) * (10 - place), 1e-10) << s;
+                       },
+                       {{"s", s}});
+}
+
+// A force that acts at a place does work; a magnet that passes a block pulls it loose.
+TEST(UniformMotion, ForcesOnTheWayAct) {
+  const std::string gate = sourceFile("gate.tf", R"(
+model Gate
+  parameter Real F = 2, s = 0.05;
+  coordinate Real x(der(start = 1));
+  body cart(mass = 1, position = x);
+  force f(value = F*exp(-((x - 5)/s)^2), at = x);
+end Gate;
+)");
+  const std::string magnet = sourceFile("magnet.tf", R"(
+model Magnet
+  parameter Real s = 0.5;
+  coordinate Real x(der(start = 1)), z;
+  body passing(mass = 1000, position = x);
+  body block(mass = 1, position = z);
+  force pull(value = noEvent(if abs(x - 5) < s then 1.5 else 0), at = z);
+  friction dry(slip = der(z), bound = 1);
+end Magnet;
+)");
+  for (const double s : {0.5, 0.2, 0.05})
+    withEachIntegrator(
+        gate, 1e-7, 10,
+        [&](CompiledModel &model) { EXPECT_NEAR(model["der(x)"], std::sqrt(1 + 4 * s * std::sqrt(std::acos(-1.0))), 1e-5) << s; },
+        {{"s", s}});
+  // It slides for 2 s, by 0.5 (2 s)²/2, and comes to rest by (2 s 0.5)²/2.
+  for (const double s : {0.5, 0.2})
+    withEachIntegrator(magnet, 1e-7, 10, [&](CompiledModel &model) { EXPECT_NEAR(model["z"], 1.5 * s * s, 1e-4) << s; }, {{"s", s}});
+}
+
 // A bead that coasts on a rail, towards a rise that is a fiftieth of what it passes in a second: it has not the energy for it.
 TEST(UniformMotion, IsNotLongerThanTheLongestStep) {
   const std::string file = sourceFile("rising_rail.tf", R"(

@@ -72,6 +72,7 @@ protected:
               (std::vector<int>{6, 5, 1, 1, 4, 1, 3, 1, 1, 1, 1, 1, 2, 3, 1}));
     EXPECT_EQ(m.binding_depth, 2);
     EXPECT_EQ(m.mass_is_constant, 1);
+    EXPECT_EQ(m.locality, 0);
     EXPECT_EQ(m.uniform_flight, 0);
     EXPECT_EQ((std::vector(m.mass_rows, m.mass_rows + 6)), (std::vector{0, 0, 1, 1, 3, 3}));
     EXPECT_EQ((std::vector(m.mass_columns, m.mass_columns + 3)), (std::vector{0, 0, 2}));
