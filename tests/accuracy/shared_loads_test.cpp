@@ -9,6 +9,16 @@
 namespace tf::test {
 namespace {
 
+// How far a body goes that slides on a boundary of this speed.
+double wayOfABody(double friction, const std::string &speed, double end) {
+  CompiledModel body(sourceFile("sliding_body_" + std::to_string(friction) + ".tf",
+                                "model SlidingBody\n  parameter Real mu = " + std::to_string(friction) +
+                                    ";\n  coordinate Real x;\n  body b(mass = 1, position = x);\n  friction f(slip = der(x) - " + speed +
+                                    ", bound = mu*9.81);\nend SlidingBody;\n"));
+  body.tolerance(1e-10).run(end);
+  return body["x"];
+}
+
 // Two boxes on four feet each, one upon the other, on a plate that shakes so fast that they slide: they move as one body does.
 TEST(SharedLoads, BoxesOnAPlateThatShakesMoveAsOneBody) {
   const std::string boxes = sourceFile("boxes_on_a_plate.tf", R"(
@@ -26,21 +36,12 @@ model Boxes
   contact lid[4](gap = {onTop[k, 3] - h for k in 1:4}, each friction = mu, slip = {{der(onTop[k, 1]), der(onTop[k, 2])} for k in 1:4});
 end Boxes;
 )");
-  const std::string body = sourceFile("body_on_a_plate.tf", R"(
-model Body
-  parameter Real mu = 0.5, amp = 0.02, om = 18.85;
-  coordinate Real x;
-  body b(mass = 1, position = x);
-  friction f(slip = der(x) - amp*om*cos(om*time), bound = mu*9.81);
-end Body;
-)");
-  CompiledModel one(body);
-  one.tolerance(1e-10).run(0.7);
+  const double moved = wayOfABody(0.5, "0.02*18.85*cos(18.85*time)", 0.7);
   for (const double tolerance : {1e-4, 1e-7}) {
     CompiledModel both(boxes);
     both.tolerance(tolerance).run(0.7);
-    EXPECT_NEAR(both["p[1,1]"], one["x"], 10 * tolerance) << tolerance;
-    EXPECT_NEAR(both["p[2,1]"], one["x"], 10 * tolerance) << tolerance;
+    EXPECT_NEAR(both["p[1,1]"], moved, 10 * tolerance) << tolerance;
+    EXPECT_NEAR(both["p[2,1]"], moved, 10 * tolerance) << tolerance;
   }
 }
 
@@ -70,21 +71,12 @@ model Wall
     slip = {{der(onTop[k, 1]), -der(below[k, 1])} for k in 1:m}, each friction = mu);
 end Wall;
 )");
-  const std::string body = sourceFile("body_on_a_belt.tf", R"(
-model Body
-  parameter Real mu = 0.4, belt = 2, om = 8;
-  coordinate Real x;
-  body b(mass = 1, position = x);
-  friction f(slip = der(x) - belt*sin(om*time), bound = mu*9.81);
-end Body;
-)");
-  CompiledModel one(body);
-  one.tolerance(1e-10).run(0.5);
+  const double moved = wayOfABody(0.4, "2*sin(8*time)", 0.5);
   for (const double tolerance : {1e-5, 1e-9}) {
     CompiledModel bricks(wall);
     bricks.tolerance(tolerance).run(0.5);
-    EXPECT_NEAR(bricks["r[1,1]"], one["x"], 10 * tolerance) << tolerance;
-    EXPECT_NEAR(bricks["r[10,1]"], 1.5 * 0.42 + one["x"], 10 * tolerance) << tolerance;
+    EXPECT_NEAR(bricks["r[1,1]"], moved, 10 * tolerance) << tolerance;
+    EXPECT_NEAR(bricks["r[10,1]"], 1.5 * 0.42 + moved, 10 * tolerance) << tolerance;
     EXPECT_LT(tf_get_statistics(bricks.simulation())->evaluations, 4000) << tolerance;
   }
 }
