@@ -28,7 +28,7 @@ std::vector<int> variationOfNodes(const ir::Graph &graph) {
   return all;
 }
 
-// Functions that may be the same on both sides of a place and change there.
+// Functions that may be the same on both sides of a place and change there. What a switch selects does so too, but the switch is located.
 bool isLocal(ir::Op op) {
   switch (op) {
   case ir::Op::Exp:
@@ -41,7 +41,6 @@ bool isLocal(ir::Op op) {
   case ir::Op::Floor:
   case ir::Op::Ceil:
   case ir::Op::IfElse:
-  case ir::Op::Select:
     return true;
   default:
     return false;
@@ -58,8 +57,9 @@ std::vector<bool> localNodes(const ir::Graph &graph) {
     moves[k] = node.op == ir::Op::Symbol && node.symbol.kind == ir::SymbolKind::Coordinate;
     for (int j = 0; j < node.arity; ++j) {
       const auto operand = static_cast<std::size_t>(node.operands[j]);
+      const bool decides = isLocal(node.op) && (node.op != ir::Op::IfElse || j == 0);
       moves[k] = moves[k] || moves[operand];
-      local[k] = local[k] || local[operand] || (isLocal(node.op) && moves[operand]);
+      local[k] = local[k] || local[operand] || (decides && moves[operand]);
     }
   }
   return local;
