@@ -11,7 +11,7 @@ namespace tf::codegen {
 [[nodiscard]] int bindingDepth(const HybridSystem &system);
 // M depends on parameters only.
 [[nodiscard]] bool massIsConstant(const HybridSystem &system);
-// tf_model::locality.
+// tf_model::locality: bits of tf_locality.
 [[nodiscard]] int locality(const HybridSystem &system);
 // tf_model::uniform_flight.
 [[nodiscard]] bool flightIsUniform(const HybridSystem &system);

@@ -10,7 +10,7 @@ namespace tf::runtime {
 
 class InsideStates {
 public:
-  // Of `count` places inside, `size` numbers each.
+  // Of `count` places inside, `size` numbers each: a polynomial of degree `count` + 1.
   InsideStates(int size, int count);
 
   void forget() { status_ = Status::Open; }

@@ -98,7 +98,7 @@ private:
   void solveInside();
 
   std::vector<double> beginRate_, before_, rates_, point_;
-  std::vector<double> bend_;  // h² y'' at the begin, by g_1
+  std::vector<double> bend_;  // h² y'' at the begin, by g_1 of the solve or advance before
   int stages_ = 0;            // of the last element
   double radius_ = 0;
   Curve curve_;

@@ -176,8 +176,8 @@ bool Sensitivities::mapColumns(const Map &map, double time, const double *state,
   return matrix_.allFinite();
 }
 
-// Rows that depend on each other have forces only where the state is what they hold. What derivatives are off by there, as after an event,
-// would grow.
+// Derivatives of what contacts and constraints hold are those of points that they hold: what they are off by, as after an event or where a
+// gap has a bend, would stay, and grow where rows depend on each other.
 bool Sensitivities::holdRows(SmoothIntegrator &integrator, double time) {
   constexpr double rounding = 1e-11;
   if (!dynamics_.needsProjection())
