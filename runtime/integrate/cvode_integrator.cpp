@@ -1,6 +1,7 @@
 #include "runtime/integrate/cvode_integrator.h"
 
 #include "runtime/integrate/condensed_solver.h"
+#include "runtime/integrate/damping_bound.h"
 
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
@@ -29,7 +30,8 @@ struct Problem {
   const double *scale;
   std::vector<double> rate;
   double tolerance = 0;
-  double correction = 0;  // the largest one of a projection in the step
+  double correction = 0;  // of the step's latest attempt
+  double damping = 0;     // by the latest Jacobian, in 1/s
 };
 
 // Weights of the error norm: 1 / (tolerance · max(scale, |y|)). A function, since it may change from step to step.
@@ -46,11 +48,15 @@ int evaluateRate(realtype time, N_Vector state, N_Vector rate, void *data) {
 }
 
 int evaluateJacobian(realtype time, N_Vector state, N_Vector rate, SUNMatrix matrix, void *data, N_Vector, N_Vector, N_Vector) {
-  ModeDynamics *dynamics = static_cast<Problem *>(data)->dynamics;
+  auto *problem = static_cast<Problem *>(data);
+  ModeDynamics *dynamics = problem->dynamics;
   // The Jacobian is taken at the last evaluation's point.
   if (!dynamics->evaluate(time, N_VGetArrayPointer(state), N_VGetArrayPointer(rate)))
     return 1;
-  return dynamics->jacobian(time, N_VGetArrayPointer(state), SUNDenseMatrix_Data(matrix)) ? 0 : 1;
+  if (!dynamics->jacobian(time, N_VGetArrayPointer(state), SUNDenseMatrix_Data(matrix)))
+    return 1;
+  problem->damping = dampingBound(dynamics->model().model(), SUNDenseMatrix_Data(matrix), dynamics->size(), problem->scale);
+  return 0;
 }
 
 // Closed contacts and sticking rows stay on gap = 0, gap rate = 0, slip = 0.
@@ -64,7 +70,7 @@ int projectState(realtype time, N_Vector state, N_Vector correction, realtype /*
   const int n = problem->dynamics->size();
   double *moved = problem->rate.data();
   std::copy_n(N_VGetArrayPointer(state), n, moved);
-  problem->correction = std::max(problem->correction, problem->dynamics->project(time, moved, problem->scale));
+  problem->correction = problem->dynamics->project(time, moved, problem->scale);
   for (int i = 0; i < n; ++i)
     N_VGetArrayPointer(correction)[i] = moved[i] - N_VGetArrayPointer(state)[i];
   return 0;
@@ -121,6 +127,7 @@ void CvodeIntegrator::start(double time, const double *state, const double *rate
   std::copy_n(state, n_, N_VGetArrayPointer(solver_->state));
   Solver &s = *solver_;
   careful_ = false;
+  s.problem.damping = 0;
   if (!s.created) {
     CVodeInit(s.memory, evaluateRate, time, s.state);
     CVodeWFtolerances(s.memory, errorWeights);
@@ -157,6 +164,8 @@ void CvodeIntegrator::setCareful(bool careful) {
 double CvodeIntegrator::startingError() const { return std::clamp(0.03 * carefulFactor * settings_.tolerance, 1e-11, 1e-10); }
 
 double CvodeIntegrator::correction() const { return solver_->problem.correction; }
+
+double CvodeIntegrator::stiffness() const { return solver_->problem.damping; }
 
 // CVODE's numbers since it was last initialised, beside those of before.
 void CvodeIntegrator::readStatistics() {

@@ -20,6 +20,7 @@ public:
   void setCareful(bool careful) override;
   [[nodiscard]] double startingError() const override;
   [[nodiscard]] double correction() const override;
+  [[nodiscard]] double stiffness() const override;
   [[nodiscard]] bool startsToRounding() const override { return false; }
   [[nodiscard]] double suggestedStep() const override { return next_; }
 

@@ -1,6 +1,7 @@
 #include "runtime/integrate/radau.h"
 
 #include "runtime/integrate/collocation.h"
+#include "runtime/integrate/damping_bound.h"
 
 #include <algorithm>
 #include <cassert>
@@ -376,6 +377,7 @@ bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const dou
   if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
     return false;
   std::copy_n(endRate_.begin(), n_, rate_.begin() + (stages_ - 1) * n_);
+  damping_ = linearisation_ == Linearisation::Full ? dampingBound(dynamics.model().model(), equations_->jacobian(0).data(), n_, scale) : 0;
   estimateError(start, h);
   return true;
 }

@@ -84,6 +84,8 @@ public:
   [[nodiscard]] virtual bool isStiff() const { return false; }
   // The last step was made by the stabilised explicit method.
   [[nodiscard]] virtual bool isStabilised() const { return false; }
+  // The spectral radius of damping where that is known, in 1/s, else 0.
+  [[nodiscard]] virtual double stiffness() const { return 0; }
   // Length that the error control would take next, in the same mode; 0: it does not know, infinity: any.
   [[nodiscard]] virtual double suggestedStep() const = 0;
 

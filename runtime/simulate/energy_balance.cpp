@@ -174,11 +174,15 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator, double begin, double e
   Passage passage = usesEnds ? integrateEnds(begin, end) : integrate(integrator, rule, begin, length);
   if (passage.known < 1 - *std::min_element(rule.weights.begin(), rule.weights.end()) / 2) {
     totals_.estimatedTime += length;
-  } else if (!usesEnds && !usesStages) {
+  } else if (const double stiffness = integrator.stiffness(); stiffness > 0 || !usesStages) {
     const double change = energyInside(integrator, end).mechanical() - energyInside(integrator, begin).mechanical();
-    const double accepted = part * integrator.settings().tolerance * std::max(totals_.largest, totals_.passed);
-    if (std::abs(passage.work - passage.frictionLoss - change) > clear * accepted)
+    const double error = integrator.settings().tolerance * std::max(totals_.largest, totals_.passed), accepted = part * error;
+    if (!usesEnds && !usesStages && std::abs(passage.work - passage.frictionLoss - change) > clear * accepted)
       passage = refine(integrator, passage, begin, length, accepted, deepest);
+    // A stiff damper makes of the tolerance's error of a velocity one that is so many times larger of its power: its work is what the
+    // energies tell.
+    const double unresolved = stiffness * length * error;
+    passage.work += std::clamp(change - (passage.work - passage.frictionLoss), -unresolved, unresolved);
   }
   totals_.frictionLoss += passage.frictionLoss;
   totals_.work += passage.work;

@@ -1,4 +1,5 @@
 // What holds in every run: no penetration, no pulling contact, friction inside its cone, no energy out of nothing.
+#include "tests/accuracy/each_integrator.h"
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
@@ -317,6 +318,27 @@ end StiffDamper;
   for (const tf_integrator integrator : {TF_AUTO, TF_EXPLICIT, TF_CVODE})
     for (const double tolerance : {1e-3, 3e-4, 1e-4, 1e-5, 1e-6})
       EXPECT_NEAR(workAt(tolerance, integrator), reference, 10 * tolerance) << integrator << ", " << tolerance;
+}
+
+// Errors of the velocity that the tolerance allows are a multiple of the way that the damper lets it lag behind the belt.
+TEST(Energies, OfAStiffDamperOnAMovingBelt) {
+  const std::string file = sourceFile("damped_belt.tf", R"(
+model DampedBelt
+  coordinate Real z(der(start = 2));
+  body load(mass = 1, position = z);
+  force belt(value = -1e5*(der(z) - cos(3*time)), at = z);
+end DampedBelt;
+)");
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6, 1e-8})
+    withEachIntegrator(
+        file, tolerance, 1,
+        [tolerance](CompiledModel &model) {
+          EXPECT_LE(tf_get_statistics(model.simulation())->worst_energy_error, 10 * tolerance) << tolerance;
+          // m v² / 2 is 2 at the start; the belt's lag is a 1e-5th of its rate.
+          const double speed = std::cos(3.0) + 3e-5 * std::sin(3.0);
+          EXPECT_NEAR(model["energy.work"], 0.5 * speed * speed - 2, 10 * tolerance + 1e-9) << tolerance;
+        },
+        {}, [](CompiledModel &model) { EXPECT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK); });
 }
 
 // Each rod is stretched twice a turn, where its share of the load, which is the least one, grows beyond all bounds.

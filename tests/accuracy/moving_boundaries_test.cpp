@@ -299,5 +299,28 @@ end ShortRise;
   }
 }
 
+// Attempts of a step that are rejected, as they leap over the lobe's begin, say nothing of the step that is accepted before it.
+TEST(MovingBoundaries, TheLobesOfACamAreMetInFewSteps) {
+  const std::string file = sourceFile("lobed_cam.tf", R"(
+model LobedCam
+  parameter Real e = 0.01;
+  coordinate Real y(start = 0.05), phi(start = -1, der(start = 12));
+  body follower(mass = 0.5, position = y);
+  body shaft(angle = phi, inertia = 0.005);
+  force motor(value = 0.4*(12 - der(phi)), at = phi);
+  force spring(value = -300*(y - 0.05) - 2, at = y);
+  contact cam(gap = y - 0.05 - smooth(2, if sin(phi) > 0 then e*sin(phi)^4 else 0), restitution = 0.3);
+end LobedCam;
+)");
+  CompiledModel exact(file);
+  exact.tolerance(1e-12).integrator(TF_STEP).run(2);
+  for (const double tolerance : {1e-4, 1e-5, 1e-6})
+    withEachIntegrator(file, tolerance, 2, [&](CompiledModel &model) {
+      EXPECT_NEAR(model["phi"], exact["phi"], 23 * 10 * tolerance) << tolerance;
+      EXPECT_NEAR(model["der(phi)"], exact["der(phi)"], 12 * 10 * tolerance) << tolerance;
+      EXPECT_LT(tf_get_statistics(model.simulation())->steps, 1500) << tolerance;
+    });
+}
+
 }  // namespace
 }  // namespace tf::test
