@@ -329,11 +329,11 @@ void EventDetection::watchStart() {
   watchZeros(1);
 }
 
-// Gaps, and slips that vary, which are within so many times their thresholds.
+// Gaps and slips which are within so many times their thresholds.
 void EventDetection::watchZeros(double factor) {
   const auto isWatched = [&](int k) {
     const Guard &guard = dynamics_.guards()[k];
-    return (guard.kind == GuardKind::Gap || (guard.kind == GuardKind::Slip && guard.varies)) && begin_.value[k] <= factor * threshold(k);
+    return (guard.kind == GuardKind::Gap || guard.kind == GuardKind::Slip) && begin_.value[k] <= factor * threshold(k);
   };
   watched_ = std::any_of(awake_.begin(), awake_.end(), isWatched);
   integrator_->setCareful(watched_);

@@ -266,5 +266,26 @@ TEST(StartingSlips, OfATableOnFourFeetAreFollowedFromTheirStart) {
           table);
 }
 
+// The particle of an impact damper turns round where its host hardly accelerates: it slips by less than the tolerance until it sticks or
+// goes on, and which of both depends on the tolerance.
+TEST(StartingSlips, ThatHardlyAccelerateDoNotTurnAgainAndAgain) {
+  const std::string file = sourceFile("impact_damper.tf", R"(
+model ImpactDamper
+  coordinate Real x, r(start = 0.1);
+  body host(mass = 1, position = x);
+  body particle(mass = 0.1, position = x + r);
+  force f(value = -x - 0.02*der(x) + 0.1*cos(time), at = x);
+  friction seat(slip = der(r), bound = 0.003);
+  contact stop[2](gap = {r + 0.25, 0.25 - r}, each restitution = 0.6);
+end ImpactDamper;
+)");
+  for (const double tolerance : {1e-2, 1e-3, 1e-4, 1e-6})
+    withEachIntegrator(file, tolerance, 100, [tolerance](CompiledModel &model) {
+      const int turns = model.count(TF_EVENT_SLIP_REVERSAL), stops = model.count(TF_EVENT_STICK);
+      EXPECT_NEAR(turns, 129, 8) << tolerance;
+      EXPECT_LE(stops, 1) << tolerance;
+    });
+}
+
 }  // namespace
 }  // namespace tf::test
