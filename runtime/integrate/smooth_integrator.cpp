@@ -1,6 +1,7 @@
 #include "runtime/integrate/smooth_integrator.h"
 
 #include "runtime/integrate/hermite_interpolation.h"
+#include "runtime/integrate/parabola_zero.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,9 +30,8 @@ double SmoothIntegrator::longestUniform() const {
   const bool hasVelocities = model.kinematics == nullptr;
   for (int i = 0; i < model.nq; ++i) {
     const double way = part * std::max(settings_.scale[i], std::abs(end_[i]));
-    // rate h + acceleration h²/2 ≤ way
-    const double rate = std::abs(endRate_[i]), acceleration = hasVelocities ? std::abs(endRate_[model.nq + i]) : 0;
-    longest = std::min(longest, 2 * way / (rate + std::sqrt(rate * rate + 2 * acceleration * way)));
+    const double acceleration = hasVelocities ? std::abs(endRate_[model.nq + i]) : 0;
+    longest = std::min(longest, parabolaZero(way, -std::abs(endRate_[i]), -acceleration));
   }
   return longest;
 }

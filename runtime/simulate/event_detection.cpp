@@ -1,6 +1,7 @@
 #include "runtime/simulate/event_detection.h"
 
 #include "runtime/integrate/byte_flags.h"
+#include "runtime/integrate/parabola_zero.h"
 #include "runtime/simulate/cubic_hermite.h"
 
 #include <algorithm>
@@ -466,10 +467,9 @@ double EventDetection::nextUniformSample(double time) const {
   const double length = end_.time - begin_.time, passed = (time - begin_.time) / length;
   double distance = 0.5 * length;
   for (int i = 0; i < model.nq; ++i) {
-    // rate d + acceleration d² ≤ turn
     const double turn = farthestTurn() * integrator_->settings().scale[i];
     const double rate = std::abs(begin[i] + passed * (end[i] - begin[i])), acceleration = std::abs(end[i] - begin[i]) / length;
-    distance = std::min(distance, 2 * turn / (rate + std::sqrt(rate * rate + 4 * acceleration * turn)));
+    distance = std::min(distance, parabolaZero(turn, -rate, -acceleration));
   }
   return time + std::max(distance, length / mostIntervals());
 }

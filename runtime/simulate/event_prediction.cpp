@@ -1,7 +1,7 @@
 // Where the next event is expected: a step that ends right behind it need not be solved a second time to end at it.
 #include "runtime/contact/numbers.h"
+#include "runtime/integrate/parabola_zero.h"
 #include "runtime/simulate/event_detection.h"
-#include "runtime/simulate/parabola_zero.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,7 +1,7 @@
 // What the values and rates of guards at the ends of a step tell of zeros inside it, without samples on the interpolant.
+#include "runtime/integrate/parabola_zero.h"
 #include "runtime/simulate/cubic_hermite.h"
 #include "runtime/simulate/event_detection.h"
-#include "runtime/simulate/parabola_zero.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <gtest/gtest.h>
 #include <limits>
+#include <ostream>
 
 namespace tf::test {
 namespace {
@@ -61,6 +62,8 @@ struct PlateCase {
   double tolerance;
   std::array<double, 3> rates;
 };
+
+void PrintTo(const PlateCase &one, std::ostream *stream) { *stream << one.tolerance; }
 
 class SlidingPlate : public testing::TestWithParam<PlateCase> {};
 

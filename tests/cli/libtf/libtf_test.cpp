@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -171,6 +172,8 @@ struct Continued {
   const tf_model *model;
   tf_integrator integrator;
 };
+
+void PrintTo(const Continued &one, std::ostream *stream) { *stream << one.model->name; }
 
 class LibTfContinuation : public testing::TestWithParam<Continued> {};
 

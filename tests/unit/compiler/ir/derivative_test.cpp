@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <ostream>
 
 namespace tf::ir {
 namespace {
@@ -31,6 +32,8 @@ struct DerivativeCase {
   Op op;
   std::vector<double> at;
 };
+
+void PrintTo(const DerivativeCase &one, std::ostream *stream) { *stream << one.name; }
 
 class EveryOperation : public ::testing::TestWithParam<DerivativeCase> {};
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cmath>
+#include <ostream>
 #include <random>
 #include <string>
 #include <vector>
@@ -29,6 +30,8 @@ struct DeviationCase {
   const char *name;
   std::function<NodeId(Graph &, NodeId, NodeId)> make;
 };
+
+void PrintTo(const DeviationCase &one, std::ostream *stream) { *stream << one.name; }
 
 class Deviations : public ::testing::TestWithParam<DeviationCase> {};
 

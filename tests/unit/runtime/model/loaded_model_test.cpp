@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <ostream>
 #include <sstream>
 #include <vector>
 
@@ -103,6 +104,8 @@ struct Defect {
   const char *message;
   std::function<void(tf_model &)> make;
 };
+
+void PrintTo(const Defect &one, std::ostream *stream) { *stream << one.message; }
 
 class DamagedTable : public testing::TestWithParam<Defect> {};
 

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <ostream>
 #include <random>
 
 namespace tf::runtime {
@@ -71,6 +72,8 @@ TEST(CsvReader, ReadsBooleansAsWordsOrNumbers) {
 struct BadTable {
   const char *text, *message;
 };
+
+void PrintTo(const BadTable &one, std::ostream *stream) { *stream << one.message; }
 
 class CsvReaderErrors : public testing::TestWithParam<BadTable> {};
 
