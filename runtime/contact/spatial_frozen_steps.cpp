@@ -14,8 +14,9 @@ bool SpatialFrozenPhase::Workspace::pose(int forced, double step, double band, C
   p.resize(n, m);
   bool disks = false;
   for (int i = 0; i < n; ++i) {
-    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i);
-    const bool open = decided && velocity[i] > 0 && !restitution.stored(i);
+    const bool staysOpen = opened[i] != 0;
+    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i) || staysOpen;
+    const bool open = staysOpen || (decided && velocity[i] > 0 && !restitution.stored(i));
     p.normalKind[i] = decided ? NormalKind::Prescribed : NormalKind::Unilateral;
     p.upper[i] = open ? 0.0 : problem->rate[i];
     if (!decided && velocity[i] != 0)
@@ -47,7 +48,40 @@ bool SpatialFrozenPhase::Workspace::pose(int forced, double step, double band, C
   return disks;
 }
 
+// Of several solutions the one with the previous mode counts (theory.md section 3): contacts that were open, and that nothing need hold,
+// are held by no force.
 bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double band) {
+  opened.assign(n, 0);
+  if (!solveForces(forced, step, band))
+    return false;
+  bool isAny = false;
+  for (int i = 0; i < n; ++i) {
+    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i);
+    opened[i] = !decided && mode.normal[i] == FrozenMode::Normal::Off && force[i] > solved * problem->rate[i] ? 1 : 0;
+    isAny = isAny || opened[i] != 0;
+  }
+  if (!isAny)
+    return true;
+  const std::vector<double> held = force;
+  const double motionlessHeld = motionless;
+  if (!solveForces(forced, step, band) || !stayOpen(step)) {
+    force = held;
+    motionless = motionlessHeld;
+  }
+  return true;
+}
+
+// Whether the contacts of `opened` do not approach, with the forces of a solution without theirs.
+bool SpatialFrozenPhase::Workspace::stayOpen(double step) {
+  updateAcceleration();
+  const double rounding = motionless * *std::max_element(turnover.begin(), turnover.end());
+  for (int i = 0; i < n; ++i)
+    if (opened[i] && !(velocity[i] / step + acceleration[i] >= -rounding))
+      return false;
+  return true;
+}
+
+bool SpatialFrozenPhase::Workspace::solveForces(int forced, double step, double band) {
   ConeFrictionProblem &p = cone.problem();
   // A step's velocities need not be better than rounding, which redundant rows do not agree within.
   const double tolerance = band > 0 ? std::max(feasibility, 10 * roundingSpeed / band) : feasibility;

@@ -60,6 +60,7 @@ struct SpatialFrozenPhase::Workspace {
   std::vector<double> velocity, impulse;              // c2 (less Newton's target) and c3; total impulses
   std::vector<double> force, acceleration, turnover;  // λ, w = D λ, Σ |D λ|
   std::vector<double> guess;                          // of λ
+  std::vector<std::uint8_t> opened;                   // contacts at zero that are not to push
   std::vector<int> leaving;                           // rows whose force has just reached a limit: 1 or −1, by its side
   std::vector<Watch> watches;
   Eigen::VectorXd state, zeroState;  // P − P(begin of the step), ∫ c2 dτ
@@ -93,6 +94,8 @@ struct SpatialFrozenPhase::Workspace {
   }
   bool pose(int forced, double step, double band, ConeFrictionProblem &p);
   bool findForces(int forced, double step, double band);
+  bool solveForces(int forced, double step, double band);
+  [[nodiscard]] bool stayOpen(double step);
   [[nodiscard]] bool isNormalStill(int i) const;
   [[nodiscard]] bool isSlipStill(int j) const;
   [[nodiscard]] bool anyNearZero() const;

@@ -10,6 +10,9 @@
 
 namespace tf::runtime {
 
+// A piece is as many times as long as the one before, at the most.
+constexpr double longestPiece = 5;
+
 Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instance, const InputSignals &inputs,
                              std::vector<std::int32_t> columns)
     : dynamics_(dynamics), instance_(instance), inputs_(inputs), n_(dynamics.model().tauIndex()), columns_(columns.size()),
@@ -83,6 +86,7 @@ void Sensitivities::start(double time) {
   jump_.resize(0, 0);
   largest_.setZero();
   piece_ = 0;
+  roundings_ = 1;
 }
 
 void Sensitivities::shift(const Column &column, double s) {
@@ -255,7 +259,7 @@ void Sensitivities::allowErrors(const IntegratorSettings &settings, double lengt
     const Column &column = columns_[static_cast<std::size_t>(k)];
     const double whole = seen_.col(k).cwiseQuotient(scale).maxCoeff();
     const double relative = column.movesModel ? scaleOf(column, still_.data()) : 0;
-    const double noise = margin * column.shortening * relative / differenceStep;
+    const double noise = margin * roundings_ * column.shortening * relative / differenceStep;
     // Rows whose terms are small may have the rounding errors of others, which go into them through M.
     const double mixed = noise * rounded.cwiseQuotient(scale).maxCoeff();
     for (Eigen::Index i = 0; i < n_; ++i) {
@@ -301,11 +305,29 @@ double Sensitivities::jumpError(double length) {
   return error;
 }
 
+// A jump is met by pieces of one length, which it is divided into, and by some on the way there, each five times as long as the one before:
+// more divisions than these tell that it is everywhere, as rounding errors are that are larger than they were taken for. From then on they
+// are not. The error of the jump, 1 at the most if it is none.
+double Sensitivities::judgeJump(const IntegratorSettings &settings, double time, double length, double jump, Jump &found) {
+  constexpr double growth = 10, most = 1e8;
+  constexpr int fewest = 4;
+  if (time >= found.end)
+    found = {time + length, fewest + static_cast<int>(2 * std::log(jump) / std::log(longestPiece))};
+  if (--found.divisionsLeft > 0)
+    return jump;
+  for (; jump > 1 && roundings_ < most; roundings_ *= growth) {
+    allowErrors(settings, length);
+    jump = jumpError(length);
+  }
+  found = {};
+  return jump;
+}
+
 // A piece's length from its errors, relative to what is allowed. A jump's error is of order 1.
 double Sensitivities::nextPiece(double length, double error, double jump) {
-  constexpr double order = 9, shortest = 0.05, longest = 5, safety = 0.9;
+  constexpr double order = 9, shortest = 0.05, safety = 0.9;
   const double factor = safety * std::pow(error, -1 / order);
-  return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longest);
+  return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longestPiece);
 }
 
 bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end, double held) {
@@ -325,8 +347,6 @@ bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double e
 bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double end) {
   // Of oscillations both methods' errors have the same sign, and their difference is a fifth of them.
   constexpr double likeness = 5, smallest = 1e-8;
-  // A jump is found in fewer divisions; what goes on jumping is rounding.
-  constexpr int mostDivisions = 100;
   // More attempts at pieces of a step are no progress: differences of the rate are not as exact as the tolerance asks for.
   constexpr int mostAttempts = 20000;
   const double h = end - begin;
@@ -334,8 +354,9 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
   scale_ = settings.scale.data();
   const bool isControlled = settings.fixedStep <= 0;
   // Friction that turns with a slip of two components is steep where that is small, which the methods' difference shows.
-  bool watchesJumps = isControlled && dynamics_.turningSlipCount() == 0;
-  int divisions = 0, attempts = 0;
+  const bool watchesJumps = isControlled && dynamics_.turningSlipCount() == 0;
+  int attempts = 0;
+  Jump found;
   largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   begin_.isKnown = end_.isKnown = false;
   if (watchesJumps)
@@ -358,13 +379,13 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
       if (watchesJumps && error <= 1) {
         sampleBorder(integrator, time + length, end_);
         jump = jumpError(length);
+        if (jump > 1)
+          jump = judgeJump(settings, time, length, jump, found);
       }
       piece_ = nextPiece(length, error, jump);
       if (std::max(error, jump) <= 1 || length <= smallest * h)
         break;
       length = std::max(std::min(piece_, 0.9 * length), smallest * h);
-      divisions += jump > 1 ? 1 : 0;
-      watchesJumps = watchesJumps && divisions < mostDivisions;
     }
     time = length < left ? time + length : end;
     std::swap(matrix_, next_);
@@ -376,7 +397,7 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
 
 std::size_t Sensitivities::numberCount() const {
   const auto columns = static_cast<std::size_t>(lastEventTime_.size());
-  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (2 * columns + 3) + 2;
+  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (2 * columns + 3) + 3;
 }
 
 void Sensitivities::write(double *numbers) const {
@@ -391,7 +412,8 @@ void Sensitivities::write(double *numbers) const {
       *numbers++ = number;
   }
   *numbers++ = eventsSinceStep_;
-  *numbers = piece_;
+  *numbers++ = piece_;
+  *numbers = roundings_;
 }
 
 void Sensitivities::read(const double *numbers) {
@@ -410,7 +432,8 @@ void Sensitivities::read(const double *numbers) {
     hop.rate = *numbers++;
   }
   eventsSinceStep_ = static_cast<int>(*numbers++);
-  piece_ = *numbers;
+  piece_ = *numbers++;
+  roundings_ = *numbers;
   eventTime_.setZero();
   jump_.resize(0, 0);
 }

@@ -15,6 +15,7 @@
 #include <Eigen/Dense>
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -118,6 +119,12 @@ private:
   void allowErrors(const IntegratorSettings &settings, double length);
   [[nodiscard]] double pieceError() const;
   [[nodiscard]] double jumpError(double length);
+  // Where a piece ends in which a jump has been found, and how many more divisions it is worth.
+  struct Jump {
+    double end = -std::numeric_limits<double>::infinity();
+    int divisionsLeft = 0;
+  };
+  double judgeJump(const IntegratorSettings &settings, double time, double length, double jump, Jump &found);
   [[nodiscard]] static double nextPiece(double length, double error, double jump);
   [[nodiscard]] Eigen::VectorXd rounding(double length);
   bool addPieces(SmoothIntegrator &integrator, double begin, double end);
@@ -173,7 +180,8 @@ private:
   LinearCollocation gauss_, damped_;
   Eigen::MatrixXd largest_, seen_;  // n × columns: |S| up to now; with that of the piece
   bool isShareUnknown_ = false, hasMoved_ = false;
-  double piece_ = 0;  // length of the next one that its error suggests; 0: none
+  double piece_ = 0;      // length of the next one that its error suggests; 0: none
+  double roundings_ = 1;  // errors of the rate's differences, to those that sums of its terms have
   // workspaces of addStep: A and b at the nodes and the ends, the Jacobian with τ, S at the end by either method and what it may be wrong
   // by, S' at the ends and by extrapolation, and the largest
   std::vector<Eigen::MatrixXd> slopes_, offsets_;

@@ -1,6 +1,7 @@
 // Impacts that several contacts take part in, or that leave slow slips behind: that they end, what they keep and what they cost.
 #include "tests/accuracy/constants.h"
 #include "tests/accuracy/differentiated_models.h"
+#include "tests/accuracy/each_integrator.h"
 #include "tests/accuracy/pushed_table.h"
 #include "tests/accuracy/support/compiled_model.h"
 
@@ -239,6 +240,55 @@ TEST(Impacts, OntoFeetThatAreAtTheLimitOfTheirFriction) {
     const double rough = impulseOntoCube(mu, 1.05 * mu, 0.5, 0);
     EXPECT_NEAR(impulseOntoCube(mu, mu, 0.5, 0), rough, 1e-6) << mu;
     EXPECT_NEAR(impulseOntoCube(mu, mu, 0, 0), rough / 1.5, 1e-6) << mu;
+  }
+}
+
+// The wall's friction ends what lifts the particle, and holds it then without any help of the floor, which it has left: where forces are
+// not unique, contacts stay open.
+TEST(Impacts, OfAContactThatOthersHoldLeaveItOpen) {
+  const std::string file = sourceFile("corner_that_sticks.tf", R"(
+model CornerThatSticks
+  parameter Real vz = 0.1;
+  coordinate Real q[3](der(start = {2, 0, vz}));
+  body b(mass = 0.5, position = q);
+  contact floor(gap = q[3], slip = {der(q[1]), der(q[2])}, friction = 0.25);
+  contact wall(gap = -q[1], slip = {der(q[2]), der(q[3])}, friction = 0.3, restitution = 0.6);
+end CornerThatSticks;
+)");
+  for (const double lift : {0.0, 1e-8, 0.01, 0.1, 0.5})
+    withEachIntegrator(file, 1e-6, 0.001,
+                       [lift](CompiledModel &model) {
+                         EXPECT_NEAR(model["der(q[1])"], -1.2, 1e-12) << lift;
+                         EXPECT_NEAR(model["der(q[3])"], 0, 1e-12) << lift;
+                         EXPECT_EQ(model["floor.impulse"], 0) << lift;
+                         EXPECT_NEAR(model["wall.impulse"], 1.6, 1e-12) << lift;
+                       },
+                       {{"vz", lift}});
+}
+
+// A ball that spins on the floor, between a paddle and a wall: these lift it, stop its spin and hold it then. What the slips are at the
+// start moves the times of all that by little.
+TEST(Impacts, OfABallThatIsCaughtDoNotDependOnTrifles) {
+  const std::string file = sourceFile("caught_ball.tf", R"(
+model CaughtBall
+  parameter Real r = 0.1, m = 0.5, gap = 1e-3, across = 0.1;
+  coordinate Real p[3](start = {-gap, 0, r}, der(start = {2, across, 0}));
+  coordinate Rotation Q(w(start = {-1, 20, 3}));
+  Real w[3] = Q*Q.w;
+  body ball(mass = m, position = p, orientation = Q, inertia = 0.4*m*r^2*identity(3));
+  coordinate Real x(start = -r - gap, der(start = 2));
+  body pad(mass = 2, position = x);
+  contact paddle(gap = p[1] - r - x, slip = {der(p[2]) - r*w[3], der(p[3]) + r*w[2]}, friction = 0.3, restitution = 0.4);
+  contact floor(gap = p[3] - r, slip = {der(p[1]) - r*w[2], der(p[2]) + r*w[1]}, friction = 0.25);
+  contact wall(gap = -p[1], slip = {der(p[2]) + r*w[3], der(p[3]) - r*w[2]}, friction = 0.3, restitution = 0.6);
+end CaughtBall;
+)");
+  for (const double trifle : {0.0, 1e-12, 1e-7, 1e-6, 1e-4}) {
+    CompiledModel model(file, {{"across", 0.1 + trifle}});
+    model.tolerance(1e-10).run(0.001);
+    EXPECT_NEAR(model["der(p[1])"], -1.2, 1e-12) << trifle;
+    EXPECT_EQ(model["floor.impulse"], 0) << trifle;
+    EXPECT_NEAR(model["Q.w[1]"], -0.999948875436691, 10 * trifle + 1e-9) << trifle;
   }
 }
 

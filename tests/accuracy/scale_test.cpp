@@ -53,6 +53,25 @@ TEST_P(Chain, ComesToRestOnTheFloor) {
 
 INSTANTIATE_TEST_SUITE_P(Links, Chain, testing::Values(2, 3, 5, 10, 20), testing::PrintToStringParamName());
 
+// Of ten light rods the rate's rounding errors are many times those of the terms that it is the sum of, and their differences by a damping
+// that has no effect yet are nothing else: they are no jumps.
+TEST(ChainOfTen, HasSensitivitiesThatRoundingErrorsDoNotDivide) {
+  const std::string file = chainOf(10);
+  const auto derivative = [&file](double tolerance, long long &evaluations) {
+    CompiledModel model(file);
+    differentiateBy(model, {"d"});
+    model.tolerance(tolerance).run(0.15);
+    evaluations = tf_get_statistics(model.simulation())->evaluations;
+    return sensitivity(model, "phi[5]", 0);
+  };
+  long long evaluations = 0;
+  const double exact = derivative(1e-11, evaluations);
+  for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
+    EXPECT_NEAR(derivative(tolerance, evaluations), exact, 10 * std::max(tolerance, 1e-7)) << tolerance;
+    EXPECT_LT(evaluations, 5000) << tolerance;
+  }
+}
+
 class ShortChain : public testing::TestWithParam<int> {};
 
 // Two integrators at two tolerances: the last hundredth of the energy is lost in many small impacts, so only the way down is compared.
