@@ -137,8 +137,12 @@ std::vector<Transition> &Simulation::Implementation::beginTransitions() {
 // Remembers the point before an event; the state is the one just before it.
 void Simulation::Implementation::beginEvent() {
   before_ = state_;
-  if (!owner_.onEvent)
+  if (!owner_.onEvent) {
+    // Forces at the event are what those after it are sought from, with values to be reported or without.
+    if (dynamics_.hasPairs())
+      dynamics_.evaluate(time_, state_.data(), rate_.data());
     return;
+  }
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), beforeValues_.data());
   for (int column = 0; sensitivities_ && column < sensitivities_->columnCount(); ++column)
     if (double *all = beforeSensitivities_.data() + static_cast<std::ptrdiff_t>(column) * model_.variable_count; !sensitivity(column, all))

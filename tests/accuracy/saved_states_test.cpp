@@ -1,5 +1,6 @@
 // Runs that go on from a saved state as the run that saved it does.
 #include "tests/accuracy/support/compiled_model.h"
+#include "tests/accuracy/tumbling_box.h"
 
 #include <cstdint>
 #include <cstring>
@@ -140,6 +141,26 @@ TEST(SavedStates, AreRefusedByRunsWithOtherSensitivities) {
   EXPECT_EQ(restore(byForce, save(byForce)), TF_OK);
   EXPECT_EQ(restore(byStart, save(byForce)), TF_BAD_ARGUMENT);
   EXPECT_EQ(restore(reversed, save(both)), TF_BAD_ARGUMENT);
+}
+
+// Values before events are evaluated for a callback only: what is sought after the event begins at the same forces without.
+TEST(EventCallbacks, ChangeNothing) {
+  const std::string file = tumblingBox("watched_box.tf", "", "each frictionForm = FrictionForm.Exact");
+  for (const tf_integrator integrator : {TF_AUTO, TF_STEP})
+    for (int start = 0; start < 20; ++start) {
+      const auto run = [&](bool isWatched) {
+        CompiledModel model(file, {{"v[1]", 3}, {"w[2]", 4 + 0.1 * start}, {"mu", 0.3}});
+        if (!isWatched)
+          tf_set_event_callback(model.simulation(), nullptr, nullptr);
+        model.tolerance(1e-4).integrator(integrator).initialise();
+        for (const double time : {0.37, 0.52, 0.6, 0.83, 1.3})
+          model.advance(time);
+        std::vector<double> end = model.valuesOf(TF_KIND_COORDINATE);
+        end.push_back(model["tau"]);
+        return end;
+      };
+      EXPECT_EQ(run(true), run(false)) << integrator << ", " << start;
+    }
 }
 
 }  // namespace
