@@ -196,20 +196,33 @@ void SpatialFrozenPhase::Workspace::bringToRest(const std::vector<std::uint8_t> 
 }
 
 // Steps over what is nearly zero until nothing is. What these steps neither stop nor start, as the slip of a corner between others that
-// stick, is a rounding error.
+// stick, is a rounding error; one that grows with each step has a small acceleration.
 bool SpatialFrozenPhase::Workspace::settleNearZero(int forced) {
   constexpr int mostSteps = 9;
   int steps = 0;
-  for (int k = 0; k <= mostDoublings && steps < mostSteps && anyNearZero(); ++k) {
+  bool grows = false;
+  for (int k = 0; k <= mostDoublings && (steps < mostSteps || grows) && anyNearZero(); ++k) {
     const double band = stepBand * stillSpeed * std::ldexp(1.0, k);
-    if (stepOver(forced, band / largestChange, band))
+    const std::vector<double> before = velocity;
+    if (stepOver(forced, band / largestChange, band)) {
       ++steps;
-    else if (k == mostDoublings)
+      grows = anySlipGrows(before);
+    } else if (k == mostDoublings) {
       return false;
+    }
   }
   if (anyNearZero())
     stopNearZero();
   return true;
+}
+
+// Of those that are still, over a step.
+bool SpatialFrozenPhase::Workspace::anySlipGrows(const std::vector<double> &before) const {
+  constexpr double clearly = 1.05;
+  for (int j = 0; j < m; ++j)
+    if (isSlipStill(j) && slipSpeed(j, before) > 0 && slipSpeed(j, velocity) >= clearly * slipSpeed(j, before))
+      return true;
+  return false;
 }
 
 void SpatialFrozenPhase::Workspace::stopNearZero() {

@@ -102,6 +102,7 @@ struct SpatialFrozenPhase::Workspace {
   bool poseStep(int forced, double &step, double band);
   bool stepOver(int forced, double step, double band);
   bool settleNearZero(int forced);
+  [[nodiscard]] bool anySlipGrows(const std::vector<double> &before) const;
   void stopNearZero();
   void bringToRest(const std::vector<std::uint8_t> &rests);
   void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;

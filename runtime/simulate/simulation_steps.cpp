@@ -103,7 +103,12 @@ tf_status Simulation::Implementation::endBeforeLeap(double limit) {
   }
   if (!isShorter)
     return failStep(StepStatus::TooSmall);
-  return endStep(integrator.endTime() - integrator.beginTime(), limit);
+  DetectedEvent event;
+  if (const tf_status searched = searchStep(event); searched != TF_OK)
+    return searched;
+  if (const tf_status shortened = shortenToDefined(event); shortened != TF_OK)
+    return shortened;
+  return event.guard >= 0 ? handle(event, limit) : endStep(integrator.endTime() - integrator.beginTime(), limit);
 }
 
 // A correction of the step's end that is far larger than its error, or a large part of the step.

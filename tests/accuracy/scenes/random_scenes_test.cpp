@@ -75,5 +75,11 @@ TEST(RandomScenes, WhereACornerBouncesLowBesideOneThatTurns) { expectGood({7728}
 
 TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144, 8068, 9720, 16072}); }
 
+// The force that a corner sticks with is beyond its limit by a part of 1e-5 of the forces: its slip starts as slowly.
+TEST(RandomScenes, WhereASlipHardlyStartsInAnImpact) { expectGood({172800}); }
+
+// A step in which a slow slip turns round moves what contacts hold far: it ends before that, at the stop.
+TEST(RandomScenes, WhereASlipStopsInAStepThatIsMuchTooLong) { expectGood({179508}); }
+
 }  // namespace
 }  // namespace tf::test
