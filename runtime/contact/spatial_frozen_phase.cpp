@@ -30,7 +30,7 @@ void SpatialFrozenPhase::Workspace::begin(const FrozenProblem &at, int forced) {
       sum += std::abs(at.delassus(r, c)) * (c < n ? at.rate[c] : at.friction[c - n] * at.rate[at.owner[c - n]]);
     largestChange = std::max(largestChange, sum);
   }
-  windowSteps = windowBreakpoints = crowding = 0;
+  windowSteps = windowBreakpoints = crowding = circling = 0;
   windowBegin = 0;
   startContact = -1;
   if (forced >= 0)
@@ -357,6 +357,17 @@ bool SpatialFrozenPhase::Workspace::jams(int forced) {
   return true;
 }
 
+// A slip that is hardly faster than what counts as still may circle about zero, with friction that turns later than it would: what counts
+// as still is more then.
+void SpatialFrozenPhase::Workspace::watchCircling(int j) {
+  constexpr int patience = 20;
+  constexpr double hardly = 10, most = 1e-3;  // of stillSpeed; of the velocities
+  if (slipSpeed(j, velocity) > hardly * stillSpeed || stillSpeed > most * scale || ++circling <= patience)
+    return;
+  circling = 0;
+  stillSpeed *= 2;
+}
+
 void SpatialFrozenPhase::Workspace::follow(int forced) {
   Watch event;
   FrozenEvent label = FrozenEvent::Start;
@@ -412,6 +423,8 @@ void SpatialFrozenPhase::Workspace::follow(int forced) {
       if (curve(duration, next.kind == Watch::Kind::PairSlip, event, found)) {
         exchange(event, found);
         escapes = 0;
+        if (found && event.kind == Watch::Kind::PairSlip)
+          watchCircling(event.index);
         continue;
       }
       const double band = stepBand * stillSpeed * std::ldexp(1.0, ++escapes);

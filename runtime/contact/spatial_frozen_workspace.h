@@ -80,6 +80,7 @@ struct SpatialFrozenPhase::Workspace {
   int startContact = -1;       // has been given an approach of
   double startSpeed = 0;       // to start a frictional impulse
   int windowSteps = 0, windowBreakpoints = 0, crowding = 0;
+  int circling = 0;  // stops of slips that were hardly faster than still ones, and none
   double windowBegin = 0;
 
   void begin(const FrozenProblem &at, int forced);
@@ -107,6 +108,7 @@ struct SpatialFrozenPhase::Workspace {
   void bringToRest(const std::vector<std::uint8_t> &rests);
   void markRests(const std::vector<double> &from, double step, double band, std::vector<std::uint8_t> &rests) const;
   bool passCrowd(int forced, bool &found);
+  void watchCircling(int j);
   bool leap(int forced, double length);
   bool leapOn(int forced, double shortest);
   [[nodiscard]] double bandOfLeap(double length) const;

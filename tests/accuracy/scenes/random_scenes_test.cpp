@@ -78,6 +78,9 @@ TEST(RandomScenes, WhereAStepThatEndsAtAnEventHasNoSolution) { expectGood({3144,
 // The force that a corner sticks with is beyond its limit by a part of 1e-5 of the forces: its slip starts as slowly.
 TEST(RandomScenes, WhereASlipHardlyStartsInAnImpact) { expectGood({172800}); }
 
+// Friction turns by a right angle where a slip comes as near to zero as rounding, and takes it round again and again.
+TEST(RandomScenes, WhereASlipCirclesAboutZeroInAnImpact) { expectGood({206396}); }
+
 // A step in which a slow slip turns round moves what contacts hold far: it ends before that, at the stop.
 TEST(RandomScenes, WhereASlipStopsInAStepThatIsMuchTooLong) { expectGood({179508}); }
 
