@@ -174,15 +174,22 @@ void EnergyBalance::addStep(SmoothIntegrator &integrator, double begin, double e
   Passage passage = usesEnds ? integrateEnds(begin, end) : integrate(integrator, rule, begin, length);
   if (passage.known < 1 - *std::min_element(rule.weights.begin(), rule.weights.end()) / 2) {
     totals_.estimatedTime += length;
-  } else if (const double stiffness = integrator.stiffness(); stiffness > 0 || !usesStages) {
+  } else if (const double unresolved = integrator.stiffness() * (integrator.endTime() - integrator.beginTime());
+             unresolved > 1 || (!usesEnds && !usesStages)) {
     const double change = energyInside(integrator, end).mechanical() - energyInside(integrator, begin).mechanical();
     const double error = integrator.settings().tolerance * std::max(totals_.largest, totals_.passed), accepted = part * error;
     if (!usesEnds && !usesStages && std::abs(passage.work - passage.frictionLoss - change) > clear * accepted)
       passage = refine(integrator, passage, begin, length, accepted, deepest);
-    // A stiff damper makes of the tolerance's error of a velocity one that is so many times larger of its power: its work is what the
-    // energies tell.
-    const double unresolved = stiffness * length * error;
-    passage.work += std::clamp(change - (passage.work - passage.frictionLoss), -unresolved, unresolved);
+    // Damping that steps do not resolve, of a damper or of friction that turns, makes of the tolerance's error of a velocity one that is so
+    // many times larger of its power: what that adds up to is what the energies tell.
+    if (unresolved > 1 && passage.passed > 0) {
+      const double most = integrator.stiffness() * length * error;
+      const double missing = std::clamp(change - (passage.work - passage.frictionLoss), -most, most);
+      if (std::abs(passage.work) >= std::abs(passage.frictionLoss))
+        passage.work += missing;
+      else
+        passage.frictionLoss -= missing;
+    }
   }
   totals_.frictionLoss += passage.frictionLoss;
   totals_.work += passage.work;
