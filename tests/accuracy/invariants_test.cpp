@@ -341,12 +341,11 @@ end DampedBelt;
         {}, [](CompiledModel &model) { EXPECT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK); });
 }
 
-// Nothing but friction and impacts acts on it.
-TEST(Energies, OfAFreeBodyHaveNoWork) {
-  for (const char *name : {"backspin_ball.tf", "tumbling_box.tf"})
-    withEachIntegrator(
-        example(name), 1e-6, 1, [name](CompiledModel &model) { EXPECT_NEAR(model["energy.work"], 0, 1e-14) << name; }, {},
-        [](CompiledModel &model) { EXPECT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK); });
+// Friction that turns near a stop is as stiff as a damper; nothing else acts on the ball.
+TEST(Energies, OfASlidingBallHaveNoWork) {
+  withEachIntegrator(
+      example("backspin_ball.tf"), 1e-6, 1, [](CompiledModel &model) { EXPECT_NEAR(model["energy.work"], 0, 1e-14); }, {},
+      [](CompiledModel &model) { EXPECT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK); });
 }
 
 // Each rod is stretched twice a turn, where its share of the load, which is the least one, grows beyond all bounds.
