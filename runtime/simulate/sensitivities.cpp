@@ -87,6 +87,7 @@ void Sensitivities::start(double time) {
   largest_.setZero();
   piece_ = 0;
   roundings_ = 1;
+  jumps_ = 0;
 }
 
 void Sensitivities::shift(const Column &column, double s) {
@@ -305,21 +306,19 @@ double Sensitivities::jumpError(double length) {
   return error;
 }
 
-// A jump is met by pieces of one length, which it is divided into, and by some on the way there, each five times as long as the one before:
-// more divisions than these tell that it is everywhere, as rounding errors are that are larger than they were taken for. From then on they
-// are not. The error of the jump, 1 at the most if it is none.
-double Sensitivities::judgeJump(const IntegratorSettings &settings, double time, double length, double jump, Jump &found) {
-  constexpr double growth = 10, most = 1e8;
-  constexpr int fewest = 4;
-  if (time >= found.end)
-    found = {time + length, fewest + static_cast<int>(2 * std::log(jump) / std::log(longestPiece))};
-  if (--found.divisionsLeft > 0)
+// Near a jump every other piece or so is divided, a few times until one passes it, and pieces grow again behind it. Where they do not, the
+// jumps are rounding errors, which are larger than they were taken for; from then on they are not. The error of the jump, 1 at the most
+// if it is none.
+double Sensitivities::judgeJump(const IntegratorSettings &settings, double length, double jump) {
+  constexpr double growth = 10, most = 1e3;
+  constexpr int patience = 12;
+  if (++jumps_ <= patience)
     return jump;
   for (; jump > 1 && roundings_ < most; roundings_ *= growth) {
     allowErrors(settings, length);
     jump = jumpError(length);
   }
-  found = {};
+  jumps_ = 0;
   return jump;
 }
 
@@ -355,8 +354,8 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
   const bool isControlled = settings.fixedStep <= 0;
   // Friction that turns with a slip of two components is steep where that is small, which the methods' difference shows.
   const bool watchesJumps = isControlled && dynamics_.turningSlipCount() == 0;
-  int attempts = 0;
-  Jump found;
+  constexpr int several = 3;
+  int attempts = 0, undivided = 0;  // undivided: in a row
   largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
   begin_.isKnown = end_.isKnown = false;
   if (watchesJumps)
@@ -380,14 +379,17 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
         sampleBorder(integrator, time + length, end_);
         jump = jumpError(length);
         if (jump > 1)
-          jump = judgeJump(settings, time, length, jump, found);
+          jump = judgeJump(settings, length, jump);
       }
       piece_ = nextPiece(length, error, jump);
       if (std::max(error, jump) <= 1 || length <= smallest * h)
         break;
       length = std::max(std::min(piece_, 0.9 * length), smallest * h);
+      undivided = 0;
     }
     time = length < left ? time + length : end;
+    if (++undivided >= several)
+      jumps_ = 0;
     std::swap(matrix_, next_);
     std::swap(begin_, end_);
     largest_ = largest_.cwiseMax(matrix_.cwiseAbs());
@@ -397,7 +399,7 @@ bool Sensitivities::addPieces(SmoothIntegrator &integrator, double begin, double
 
 std::size_t Sensitivities::numberCount() const {
   const auto columns = static_cast<std::size_t>(lastEventTime_.size());
-  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (2 * columns + 3) + 3;
+  return 2 * static_cast<std::size_t>(matrix_.size()) + columns + hops_.size() * (2 * columns + 3) + 4;
 }
 
 void Sensitivities::write(double *numbers) const {
@@ -413,7 +415,8 @@ void Sensitivities::write(double *numbers) const {
   }
   *numbers++ = eventsSinceStep_;
   *numbers++ = piece_;
-  *numbers = roundings_;
+  *numbers++ = roundings_;
+  *numbers = jumps_;
 }
 
 void Sensitivities::read(const double *numbers) {
@@ -433,7 +436,8 @@ void Sensitivities::read(const double *numbers) {
   }
   eventsSinceStep_ = static_cast<int>(*numbers++);
   piece_ = *numbers++;
-  roundings_ = *numbers;
+  roundings_ = *numbers++;
+  jumps_ = static_cast<int>(*numbers);
   eventTime_.setZero();
   jump_.resize(0, 0);
 }

@@ -15,7 +15,6 @@
 #include <Eigen/Dense>
 
 #include <functional>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -119,12 +118,7 @@ private:
   void allowErrors(const IntegratorSettings &settings, double length);
   [[nodiscard]] double pieceError() const;
   [[nodiscard]] double jumpError(double length);
-  // Where a piece ends in which a jump has been found, and how many more divisions it is worth.
-  struct Jump {
-    double end = -std::numeric_limits<double>::infinity();
-    int divisionsLeft = 0;
-  };
-  double judgeJump(const IntegratorSettings &settings, double time, double length, double jump, Jump &found);
+  double judgeJump(const IntegratorSettings &settings, double length, double jump);
   [[nodiscard]] static double nextPiece(double length, double error, double jump);
   [[nodiscard]] Eigen::VectorXd rounding(double length);
   bool addPieces(SmoothIntegrator &integrator, double begin, double end);
@@ -182,6 +176,7 @@ private:
   bool isShareUnknown_ = false, hasMoved_ = false;
   double piece_ = 0;      // length of the next one that its error suggests; 0: none
   double roundings_ = 1;  // errors of the rate's differences, to those that sums of its terms have
+  int jumps_ = 0;         // pieces that have been divided for one, without several in a row between them that have not
   // workspaces of addStep: A and b at the nodes and the ends, the Jacobian with τ, S at the end by either method and what it may be wrong
   // by, S' at the ends and by extrapolation, and the largest
   std::vector<Eigen::MatrixXd> slopes_, offsets_;

@@ -60,7 +60,9 @@ TEST(ChainOfTen, HasSensitivitiesThatRoundingErrorsDoNotDivide) {
   const auto derivative = [&file](double tolerance, long long &evaluations) {
     CompiledModel model(file);
     differentiateBy(model, {"d"});
-    model.tolerance(tolerance).run(0.15);
+    model.tolerance(tolerance).initialise();
+    for (int k = 1; k <= 500; ++k)
+      model.advance(0.0003 * k);
     evaluations = tf_get_statistics(model.simulation())->evaluations;
     return sensitivity(model, "phi[5]", 0);
   };
@@ -68,7 +70,7 @@ TEST(ChainOfTen, HasSensitivitiesThatRoundingErrorsDoNotDivide) {
   const double exact = derivative(1e-11, evaluations);
   for (const double tolerance : {1e-4, 1e-5, 1e-6, 1e-7, 1e-8}) {
     EXPECT_NEAR(derivative(tolerance, evaluations), exact, 10 * std::max(tolerance, 1e-7)) << tolerance;
-    EXPECT_LT(evaluations, 5000) << tolerance;
+    EXPECT_LT(evaluations, 100000) << tolerance;
   }
 }
 
