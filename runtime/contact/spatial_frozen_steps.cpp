@@ -14,9 +14,8 @@ bool SpatialFrozenPhase::Workspace::pose(int forced, double step, double band, C
   p.resize(n, m);
   bool disks = false;
   for (int i = 0; i < n; ++i) {
-    const bool staysOpen = opened[i] != 0;
-    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i) || staysOpen;
-    const bool open = staysOpen || (decided && velocity[i] > 0 && !restitution.stored(i));
+    const bool decided = isDecided(i, forced, band) || opened[i] != 0;
+    const bool open = opened[i] != 0 || (decided && velocity[i] > 0 && !restitution.stored(i));
     p.normalKind[i] = decided ? NormalKind::Prescribed : NormalKind::Unilateral;
     p.upper[i] = open ? 0.0 : problem->rate[i];
     if (!decided && velocity[i] != 0)
@@ -56,8 +55,7 @@ bool SpatialFrozenPhase::Workspace::findForces(int forced, double step, double b
     return false;
   bool isAny = false;
   for (int i = 0; i < n; ++i) {
-    const bool decided = std::abs(velocity[i]) > band || i == forced || restitution.stored(i);
-    opened[i] = !decided && mode.normal[i] == FrozenMode::Normal::Off && force[i] > solved * problem->rate[i] ? 1 : 0;
+    opened[i] = !isDecided(i, forced, band) && mode.normal[i] == FrozenMode::Normal::Off && force[i] > solved * problem->rate[i] ? 1 : 0;
     isAny = isAny || opened[i] != 0;
   }
   if (!isAny)

@@ -93,6 +93,10 @@ struct SpatialFrozenPhase::Workspace {
   [[nodiscard]] double slipSpeed(int j, const std::vector<double> &v) const {
     return isPair(j) ? std::hypot(v[n + j], v[n + j + 1]) : std::abs(v[n + j]);
   }
+  // Its velocity tells what the contact does in a step with this band, not complementarity.
+  [[nodiscard]] bool isDecided(int i, int forced, double band) const {
+    return std::abs(velocity[i]) > band || i == forced || restitution.stored(i);
+  }
   bool pose(int forced, double step, double band, ConeFrictionProblem &p);
   bool findForces(int forced, double step, double band);
   bool solveForces(int forced, double step, double band);

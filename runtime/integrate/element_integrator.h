@@ -38,7 +38,7 @@ public:
   // Errors at the border of stability die out in the motion, but add up in what is integrated along its rates.
   [[nodiscard]] bool isStiff() const override { return unstableSteps_ >= (settings().isDifferentiated ? 4 : 15); }
   [[nodiscard]] bool isStabilised() const override { return method().isStabilised(); }
-  [[nodiscard]] double stiffness() const override { return method().stiffness(); }
+  [[nodiscard]] double stiffness() const override { return method().stiffness(dynamics_.model().model(), settings_.scale.data()); }
   // None where the error of the step does not tell; infinity where there was none, so that any step will do while the accelerations stay.
   [[nodiscard]] double suggestedStep() const override {
     return isExactInside() ? std::numeric_limits<double>::infinity() : error_ > 1e-3 || dynamics_.hasTurningSlips() ? next_ : 0;

@@ -65,8 +65,8 @@ public:
   [[nodiscard]] virtual double stabilityRatio() const { return 0; }
   // The last element was that of a method for stiff damping.
   [[nodiscard]] virtual bool isStabilised() const { return false; }
-  // The spectral radius where damping has been found stiff, in 1/s, else 0.
-  [[nodiscard]] virtual double stiffness() const { return 0; }
+  // The spectral radius where damping has been found stiff by the last element, in 1/s, else 0; `scale` [n] as of `solve`.
+  [[nodiscard]] virtual double stiffness(const tf_model & /*model*/, const double * /*scale*/) const { return 0; }
 
   // The estimate of the last element.
   [[nodiscard]] const double *error() const { return error_.data(); }

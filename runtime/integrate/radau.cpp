@@ -377,9 +377,12 @@ bool Radau::solve(ModeDynamics &dynamics, double t0, const double *y0, const dou
   if (!dynamics.evaluate(t0 + h, end_.data(), endRate_.data()))
     return false;
   std::copy_n(endRate_.begin(), n_, rate_.begin() + (stages_ - 1) * n_);
-  damping_ = linearisation_ == Linearisation::Full ? dampingBound(dynamics.model().model(), equations_->jacobian(0).data(), n_, scale) : 0;
   estimateError(start, h);
   return true;
+}
+
+double Radau::stiffness(const tf_model &model, const double *scale) const {
+  return linearisation_ == Linearisation::Full ? dampingBound(model, equations_->jacobian(0).data(), n_, scale) : 0;
 }
 
 void Radau::estimateError(const double *f0, double h) {

@@ -32,7 +32,7 @@ public:
   [[nodiscard]] double errorNorm(const double *scale, double tolerance) const override;
   [[nodiscard]] double errorOrder() const override { return (stages_ + 1) * errorPower_; }
   [[nodiscard]] int interiorStages() const override { return stages_ - 1; }
-  [[nodiscard]] double stiffness() const override { return damping_; }
+  [[nodiscard]] double stiffness(const tf_model &model, const double *scale) const override;
   [[nodiscard]] Quadrature quadrature() const override {
     const auto weights = std::span(coefficients_).last(static_cast<std::size_t>(stages_));
     return {nodes_, weights};
@@ -84,7 +84,6 @@ private:
   Linearisation linearisation_ = Linearisation::None;
   Eigen::VectorXd residual_, errorResidual_;
   bool stiff_ = false;
-  double damping_ = 0;  // by the Jacobian of the last element, in 1/s; 0: it has had none
 };
 
 }  // namespace tf::runtime

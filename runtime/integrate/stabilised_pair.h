@@ -31,7 +31,9 @@ public:
   [[nodiscard]] int interiorStages() const override { return current().interiorStages(); }
   [[nodiscard]] double stabilityRatio() const override;
   [[nodiscard]] bool isStabilised() const override { return isStabilised_; }
-  [[nodiscard]] double stiffness() const override { return isDamped_ && radius_.isKnown() ? radius_.bound() : 0; }
+  [[nodiscard]] double stiffness(const tf_model & /*model*/, const double * /*scale*/) const override {
+    return isDamped_ && radius_.isKnown() ? radius_.bound() : 0;
+  }
 
 private:
   [[nodiscard]] bool needsEstimate(double h) const;

@@ -10,9 +10,6 @@
 
 namespace tf::runtime {
 
-// A piece is as many times as long as the one before, at the most.
-constexpr double longestPiece = 5;
-
 Sensitivities::Sensitivities(ModeDynamics &dynamics, const ModelInstance &instance, const InputSignals &inputs,
                              std::vector<std::int32_t> columns)
     : dynamics_(dynamics), instance_(instance), inputs_(inputs), n_(dynamics.model().tauIndex()), columns_(columns.size()),
@@ -324,9 +321,9 @@ double Sensitivities::judgeJump(const IntegratorSettings &settings, double lengt
 
 // A piece's length from its errors, relative to what is allowed. A jump's error is of order 1.
 double Sensitivities::nextPiece(double length, double error, double jump) {
-  constexpr double order = 9, shortest = 0.05, safety = 0.9;
+  constexpr double order = 9, shortest = 0.05, longest = 5, safety = 0.9;
   const double factor = safety * std::pow(error, -1 / order);
-  return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longestPiece);
+  return length * std::clamp(jump > 0 ? std::min(factor, safety / jump) : factor, shortest, longest);
 }
 
 bool Sensitivities::addStep(SmoothIntegrator &integrator, double begin, double end, double held) {
