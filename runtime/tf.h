@@ -75,7 +75,8 @@ typedef struct tf_statistics {
   double worst_impact_residual; /* of all impacts, relative to the largest velocity, at least 1 */
   /* Over outputs and steps with samples, with tf_set_energy_balance over all steps: least gap, least normal force (infinity without
    * contacts), largest residual of a constraint or of its rate, largest error of the energy balance relative to the largest energy, or to
-   * that which has passed through the system; and where and when. */
+   * that which has passed through the system; and where and when. Of samples inside steps, which are as exact as the tolerance, clear
+   * penetration only. */
   double worst_gap, worst_normal_force, worst_constraint, worst_energy_error;
   double worst_gap_time, worst_normal_force_time, worst_constraint_time, worst_energy_error_time;
   int32_t worst_gap_contact, worst_normal_force_contact, worst_constraint_element;

@@ -52,6 +52,7 @@ struct ContactSolver::Workspace {
   std::unique_ptr<ForceSet> set = std::make_unique<ForceSet>();
   NextDerivative next;
   ContactSolution solution, resolved;
+  ContactMode kept;    // workspace of keepsRedundant
   double zero = 0;     // what counts as zero, in the metric of D
   bool conic = false;  // the solution is that of `cone`
 
@@ -69,6 +70,8 @@ struct ContactSolver::Workspace {
   void solveUnsettled(const ContactProblem &problem, const ContactMode *preferred);
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
+  double certificate();
+  bool keepsRedundant(const ContactProblem &problem, const ContactMode &before);
   bool settleForces(const ContactProblem &problem);
   [[nodiscard]] bool sticks(const ContactProblem &problem, int j) const;
   bool freeOverloaded(const ContactProblem &problem);
@@ -178,6 +181,61 @@ void ContactSolver::Workspace::turnForces(double sense) {
   }
 }
 
+// Of the solution, in the frames of the problem.
+double ContactSolver::Workspace::certificate() {
+  return conic ? cone.certificate(solution.forces, solution.accelerations) : solver.certificate(solution.forces, solution.accelerations);
+}
+
+// Where several motions are consistent the previous mode goes on. One of redundant contacts holds as long as any of its forces do, which
+// the solver, that has tried their least-norm force only, does not know: it is tried here, with contacts that have closed since as the
+// solution has them. True: it is the solution's mode now.
+bool ContactSolver::Workspace::keepsRedundant(const ContactProblem &problem, const ContactMode &before) {
+  kept = solution.mode;
+  bool differs = false;
+  for (std::size_t i = 0; i < kept.closed.size(); ++i)
+    if (before.closed[i] != 0 && kept.closed[i] == 0) {
+      kept.closed[i] = 1;
+      differs = true;
+    }
+  for (int j = 0; j < problem.tangentCount; ++j) {
+    const int owner = problem.owner[j];
+    if (problem.slipSign[j] != 0 || before.slip[j] != 0 || kept.slip[j] == 0 || (owner >= 0 && before.closed[owner] == 0) ||
+        withoutFriction(problem, j))
+      continue;
+    kept.slip[j] = 0;
+    differs = true;
+  }
+  // At the border of indeterminacy a sliding contact makes the equations singular, although it is not redundant.
+  constexpr double indeterminate = 1e-3;
+  const auto isIndeterminate = [&](int i) { return slidingResponse(problem, i) <= indeterminate * problem.delassus(i, i); };
+  for (int i = 0; differs && i < problem.normalCount; ++i)
+    differs = kept.closed[i] == 0 || !isIndeterminate(i);
+  if (!differs)
+    return false;
+  std::swap(solution.mode, kept);
+  if (conic)
+    align(problem);
+  const ContactProblem &framed = conic ? aligned : problem;
+  set->setMode(framed, solution.mode);
+  if (set->singular(framed) && set->solveLeastNorm(framed, settings.degeneracy) == LeastNorm::Status::Solved) {
+    forcesFound = solution.forces;
+    accelerationsFound = solution.accelerations;
+    solution.forces = set->forces();
+    solution.accelerations = set->accelerations();
+    if (conic)
+      turnForces(-1);
+    const double violation = certificate(), found = solution.violation <= settings.nearby ? solution.violation : 0;
+    if (violation <= std::max(10 * settings.degeneracy, found)) {
+      solution.violation = violation;
+      return true;
+    }
+    solution.forces = forcesFound;
+    solution.accelerations = accelerationsFound;
+  }
+  std::swap(solution.mode, kept);
+  return false;
+}
+
 // Redundant contacts share their load so that ‖λ‖ is least; the others have one force only. False: the mode has no admissible forces.
 bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   set->setMode(problem, solution.mode);
@@ -198,14 +256,11 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
   accelerationsFound = solution.accelerations;
   solution.forces = set->forces();
   solution.accelerations = set->accelerations();
-  double violation = 0;
-  if (conic) {
+  if (conic)
     turnForces(-1);
-    violation = cone.certificate(solution.forces, solution.accelerations);
+  const double violation = certificate();
+  if (conic)
     turnForces(1);
-  } else {
-    violation = solver.certificate(solution.forces, solution.accelerations);
-  }
   if (violation > std::max(10 * settings.degeneracy, solution.violation)) {
     solution.forces = forcesFound;
     solution.accelerations = accelerationsFound;
@@ -392,6 +447,8 @@ void ContactSolver::Workspace::solvePlanar(const ContactProblem &problem, const 
     return;
   }
   conic = false;
+  if (preferred != nullptr && keepsRedundant(problem, *preferred))
+    solution.status = ContactStatus::Solved;
   finish(problem, preferred);
 }
 
@@ -410,14 +467,15 @@ void ContactSolver::Workspace::solveConic(const ContactProblem &problem, const C
   labelMode(problem, preferred);
   // Where solutions are about to end, two of them meet, and Newton's method comes no nearer; what is zero is told as coarsely then. Forces
   // that all methods leave away from a solution have none; the frictional impulse that follows proves it, or changes nothing.
-  if (!found.solved && found.violation > settings.nearby) {
+  conic = true;
+  const bool isKept = preferred != nullptr && keepsRedundant(problem, *preferred);
+  if (!isKept && !found.solved && found.violation > settings.nearby) {
     solution.status = ContactStatus::Inconsistent;
     solution.forced = findForced(problem);
     return;
   }
-  statistics.worstViolation = std::max(statistics.worstViolation, found.violation);
+  statistics.worstViolation = std::max(statistics.worstViolation, solution.violation);
   solution.status = ContactStatus::Solved;
-  conic = true;
   align(problem);
   turnForces(1);
   finish(aligned, preferred);

@@ -17,7 +17,13 @@ constexpr double rounding = 1e-12;
 // The part of it that gaps of bodies not far away are off by.
 constexpr double unseen = 1e-13;
 
-constexpr int deepest = 12;  // bisections of a step in the search for a gap that dips
+constexpr int deepest = 13;  // divisions of a step in the search for a gap that dips
+
+// By how much the i-th of equal places is moved, in parts of their distance: else whole periods of a guard might pass between them unseen.
+double unevenShift(long long i) {
+  constexpr double goldenSection = 0.6180339887498949, largest = 0.15;
+  return largest * (2 * std::fmod(static_cast<double>(i) * goldenSection, 1.0) - 1);
+}
 
 // A value of a function of time, whose rate is not known.
 struct Place {
@@ -186,6 +192,8 @@ bool EventDetection::sampleInside(double time, bool withForces, Sample &sample) 
     for (const int k : awake_)
       if (hasRateByDifference(dynamics_.guards()[k].kind))
         sample.rate[k] = (shifted_.value[k] - sample.value[k]) / probeStep_;
+  for (const int k : awake_)
+    fastest_[k] = std::max(fastest_[k], std::abs(sample.rate[k]));
   if (needsForces_ && !withForces)
     for (const int k : awake_)
       if (isForceGuard(dynamics_.guards()[k].kind))
@@ -340,15 +348,14 @@ void EventDetection::watchZeros(double factor) {
   integrator_->setCareful(watched_);
 }
 
-// A guard that may come near zero between the samples: its own rates could take it there. A gap that starts at its zero, as right before
-// an impact, may fall from there and have returned.
+// A guard that may come near zero between the samples: its own rates could take it there, here or elsewhere in the step, as both samples
+// may be crests of one that oscillates. A gap that starts at its zero, as right before an impact, may fall from there and have returned.
 bool EventDetection::mayDip(int guard, const Sample &a, const Sample &b) const {
   const GuardKind kind = dynamics_.guards()[guard].kind;
   const bool isOpen = starts_[guard].armed != Arming::Not, closes = kind == GuardKind::Gap && starts_[guard].rate < 0;
   if (!hasRate(kind) || !(isOpen || closes))
     return false;
-  const double h = b.time - a.time;
-  const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(b.rate[guard]), std::abs(b.rate[guard] - a.rate[guard])});
+  const double reach = (b.time - a.time) * std::max(fastest_[guard], std::abs(b.rate[guard] - a.rate[guard]));
   return std::min(a.value[guard], b.value[guard]) - level(guard) < reach;
 }
 
@@ -369,29 +376,51 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool withForc
 }
 
 // Whether a guard that may dip is not clearly positive between the samples: the cubic through the ends must predict the middle well enough.
-bool EventDetection::isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const {
+// `coarser`: the middle of the interval that this one is a part of, or null.
+bool EventDetection::isUnclear(int guard, const Sample &a, Sample &middle, const Sample &b, const Sample *coarser) const {
+  // Of the reach of the rates. What is not resolved, as a wheel with many teeth, fits as well as this hardly by chance; less well it must
+  // fit twice.
+  constexpr double fitting = 1e-3, resolved = 0.02;
+  constexpr double decay = 0.1;  // of the misfit with a division, 0.54⁴
   const double h = b.time - a.time, zero = level(guard), rate = middle.rate[guard];
   const double begin = a.value[guard] - zero, value = middle.value[guard] - zero, end = b.value[guard] - zero;
   // The value there may fit by chance, not its rate as well.
   const CubicHermite whole{begin, a.rate[guard], end, b.rate[guard], h};
-  double error = std::max(std::abs(whole.value(0.5) - value), 0.25 * std::abs(whole.slope(0.5) - h * rate));
+  const double place = (middle.time - a.time) / h;
+  const double ofValue = std::abs(whole.value(place) - value), ofSlope = std::abs(whole.slope(place) - h * rate);
+  double error = std::max(ofValue, 0.25 * ofSlope);
+  const double before = coarser != nullptr ? coarser->misfit[guard] : std::numeric_limits<double>::infinity();
+  const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(rate), std::abs(b.rate[guard])});
+  const bool isFirst = !(before < std::numeric_limits<double>::infinity());
+  const double own = error;
+  if (!isFirst)
+    error = std::max(error, decay * before);
+  middle.misfit[guard] = error;
+  if (isFirst ? !(std::max(ofValue, 0.5 * ofSlope) <= fitting * reach) : !(own <= resolved * reach))
+    return true;
+  // That much better it is by chance only.
+  if (!isFirst && own < 0.2 * decay * before)
+    error = before;
   if (fromEnds_)
     error = std::max(error, endsError_[guard]);
-  const double left = CubicHermite{begin, a.rate[guard], value, rate, 0.5 * h}.interiorMinimum();
-  const double right = CubicHermite{value, rate, end, b.rate[guard], 0.5 * h}.interiorMinimum();
-  // The cubics on the halves are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow post.
+  const double left = CubicHermite{begin, a.rate[guard], value, rate, middle.time - a.time}.interiorMinimum();
+  const double right = CubicHermite{value, rate, end, b.rate[guard], b.time - middle.time}.interiorMinimum();
+  // The cubics on the parts are about sixteen times better than the one on the whole, but for gaps with a bend, as that of a narrow post.
   return value < 0 || std::min({left, right, value}) < 4 * error || left < 0 || right < 0;
 }
 
-// An interval in which a guard with a rate may dip is halved until it is clear whether it does.
+// An interval in which a guard with a rate may dip is divided until it is clear whether it does.
 void EventDetection::examine(const Sample &a, const Sample &b, int depth, DetectedEvent &first) {
   const bool divide = examineEnds(a, b, depth == 0, first);
   if (!divide || depth >= deepest || (first.guard >= 0 && first.time <= a.time))
     return;
   Sample &middle = pool_[depth];
-  if (!sampleInside(0.5 * (a.time + b.time), false, middle))
+  if (!sampleInside(a.time + unevenPart * (b.time - a.time), false, middle))
     return;
-  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return !isSampled(k) && mayDip(k, a, b) && isUnclear(k, a, middle, b); }))
+  middle.misfit.assign(middle.value.size(), std::numeric_limits<double>::infinity());
+  const Sample *coarser = depth > 0 ? &pool_[depth - 1] : nullptr;
+  const auto isOpen = [&](int k) { return !isSampled(k) && mayDip(k, a, b) && isUnclear(k, a, middle, b, coarser); };
+  if (std::none_of(awake_.begin(), awake_.end(), isOpen))
     return;
   examine(a, middle, depth + 1, first);
   if (first.guard < 0 || first.time > middle.time)
@@ -447,7 +476,7 @@ double EventDetection::farthestTurn() const {
 // Rates beyond all measure; or coordinates whose nominal magnitudes say nothing of the places that matter.
 double EventDetection::mostIntervals() const { return (dynamics_.model().model().locality & TF_LOCAL_GUARDS) != 0 ? 4096 : 1e15; }
 
-// Into so many equal parts the step is divided at least.
+// Into so many parts the step is divided at least, nearly equal ones.
 long long EventDetection::intervalCount() const {
   const double most = mostIntervals();
   const tf_model &model = dynamics_.model().model();
@@ -459,9 +488,9 @@ long long EventDetection::intervalCount() const {
   return std::max(2LL, static_cast<long long>(std::min(std::ceil(h * turn / farthestTurn()), most)));
 }
 
-// Where the sample behind that at `time` is due, in a step of uniform motion: as far away as the rates there let it be, at the begin of a
-// long fall farther than at its end.
-double EventDetection::nextUniformSample(double time) const {
+// Where the i-th sample, the one behind that at `time`, is due in a step of uniform motion: as far away as the rates there let it be, at
+// the begin of a long fall farther than at its end.
+double EventDetection::nextUniformSample(double time, long long number) const {
   const tf_model &model = dynamics_.model().model();
   const double *begin = integrator_->beginRate(), *end = integrator_->endRate();
   const double length = end_.time - begin_.time, passed = (time - begin_.time) / length;
@@ -471,7 +500,7 @@ double EventDetection::nextUniformSample(double time) const {
     const double rate = std::abs(begin[i] + passed * (end[i] - begin[i])), acceleration = std::abs(end[i] - begin[i]) / length;
     distance = std::min(distance, parabolaZero(turn, -rate, -acceleration));
   }
-  return time + std::max(distance, length / mostIntervals());
+  return time + std::max((1 + unevenShift(number)) * distance, length / mostIntervals());
 }
 
 DetectedEvent EventDetection::detect() {
@@ -510,6 +539,9 @@ DetectedEvent EventDetection::search() {
   // The dynamics' last evaluation is at the end of the step.
   readEnd(end_);
   samplesVarying_ = samplesVarying();
+  fastest_.resize(end_.rate.size());
+  for (const int k : awake_)
+    fastest_[k] = std::max(std::abs(begin_.rate[k]), std::abs(end_.rate[k]));
   bool quiet = true, steady = true;
   needsRates_ = false;
   for (const int k : awake_) {
@@ -552,8 +584,8 @@ void EventDetection::examineSamples(bool withForces, DetectedEvent &first) {
   const double h = end_.time - begin_.time;
   const Sample *before = nullptr, *a = &begin_;
   for (long long i = 1; a != &end_ && (first.guard < 0 || first.time > a->time); ++i) {
-    const double time = isUniform   ? nextUniformSample(a->time)
-                        : i < count ? begin_.time + static_cast<double>(i) * (h / static_cast<double>(count))
+    const double time = isUniform   ? nextUniformSample(a->time, i)
+                        : i < count ? begin_.time + (static_cast<double>(i) + unevenShift(i)) * (h / static_cast<double>(count))
                                     : end_.time;
     const Sample *b = &end_;
     // Rates beyond all measure leave no time between two samples.

@@ -29,6 +29,10 @@ struct DetectedEvent {
 [[nodiscard]] inline bool hasRateByDifference(GuardKind kind) { return hasRate(kind) && kind != GuardKind::Gap; }
 [[nodiscard]] inline bool hasRateByDifferenceAtEnds(GuardKind kind) { return hasRateByDifference(kind) && kind != GuardKind::Slip; }
 
+// Where intervals of a step are divided: no period of what is sampled has a simple ratio to it, so that none is passed over in step with
+// it.
+inline constexpr double unevenPart = 0.4619397662556434;
+
 class EventDetection {
 public:
   explicit EventDetection(ModeDynamics &dynamics);
@@ -80,6 +84,7 @@ private:
   struct Sample {
     double time = 0;
     std::vector<double> value, rate;
+    std::vector<double> misfit;  // of the cubics on the interval that it divides, see isUnclear
   };
 
   // Of one guard.
@@ -113,9 +118,9 @@ private:
   [[nodiscard]] double farthestTurn() const;
   [[nodiscard]] long long intervalCount() const;
   [[nodiscard]] double mostIntervals() const;
-  [[nodiscard]] double nextUniformSample(double time) const;
+  [[nodiscard]] double nextUniformSample(double time, long long number) const;
   void examineSamples(bool withForces, DetectedEvent &first);
-  [[nodiscard]] bool isUnclear(int guard, const Sample &a, const Sample &middle, const Sample &b) const;
+  [[nodiscard]] bool isUnclear(int guard, const Sample &a, Sample &middle, const Sample &b, const Sample *coarser) const;
   void interpolate(double time);
   bool examineEnds(const Sample &a, const Sample &b, bool withForces, DetectedEvent &first);
   bool mayDip(int guard, const Sample &a, const Sample &b) const;
@@ -144,8 +149,8 @@ private:
   bool parabolaEvent(int guard, DetectedEvent &first) const;
   bool cubicZero(int guard, DetectedEvent &first) const;
   bool examineEndsAlone(DetectedEvent &first);
-  void measureEnds(const Sample &middle);
-  bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth);
+  void measureEnds(Sample &middle);
+  bool othersStayPositive(int except, const Sample &a, const Sample &b, int depth, const Sample *coarser);
   // event_sampling.cpp
   Probe probe(int guard, double time);
   [[nodiscard]] bool isBlindStep() const;
@@ -219,6 +224,7 @@ private:
   std::array<Sample, 3> inner_;    // the latest ones
   std::vector<Sample> pool_;       // one middle for each depth of the search
   std::vector<double> endsError_;  // of guards, while fromEnds_
+  std::vector<double> fastest_;    // the largest rates of guards at the samples of the step
   std::vector<int> falling_;       // workspace of fallingForce
   std::vector<double> state_, scratch_, nudgeBase_, nudgeRate_, boxCenter_, boxRadius_;
 };

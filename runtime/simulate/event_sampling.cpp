@@ -13,9 +13,7 @@ namespace tf::runtime {
 
 namespace {
 
-// Where an interval is divided: no period of what is sampled has a simple ratio to it.
-constexpr double division = 0.4619397662556434;
-const std::vector<double> twoParts = {division, 0.8090169943749475};
+const std::vector<double> twoParts = {unevenPart, 0.8090169943749475};
 // Of steps over a time of rest, which may be all of the run: none of what lasts a twentieth of it is passed over.
 const std::vector<double> &manyParts() {
   constexpr double goldenSection = 0.6180339887498949;
@@ -44,6 +42,15 @@ constexpr double noProgress = 1e-4;
 constexpr double noisy = 0.1, rough = 0.02;
 // Differences for the rates, in parts of the step; times that differ by less are not told apart well enough.
 constexpr double difference = 1e-6, roundingOfTimes = 4096 * std::numeric_limits<double>::epsilon();
+
+// What differs from the cubic by no more than `error` falls through zero once, where the cubic does, from above or from a hop.
+bool fallsOnce(const CubicHermite &cubic, double zero, double error) {
+  const CubicHermite above{std::max(cubic.begin - zero, 0.0), cubic.beginSlope, cubic.end - zero, cubic.endSlope, cubic.length};
+  const double place = cubic.endSlope < 0 ? above.lastZero() : -1;
+  if (!(place > 0) || !(-above.slope(place) >= 8 * error))
+    return false;
+  return above.begin >= 4 * error || above.length * above.beginSlope * place >= 16 * error;
+}
 
 }  // namespace
 
@@ -181,8 +188,8 @@ void EventDetection::examineVarying(DetectedEvent &first) {
 void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit &coarser, int depth, DetectedEvent &first) {
   const double h = b.time - a.time;
   const CubicHermite whole{a.value, a.rate, b.value, b.rate, h};
-  const Probe inside = probe(guard, a.time + division * h);
-  const double misfit = std::max(std::abs(whole.value(division) - inside.value), std::abs(whole.slope(division) - h * inside.rate));
+  const Probe inside = probe(guard, a.time + unevenPart * h);
+  const double misfit = std::max(std::abs(whole.value(unevenPart) - inside.value), std::abs(whole.slope(unevenPart) - h * inside.rate));
   if (!std::isfinite(misfit))
     return;
   // Cubics on the parts have at most 0.54⁴ of the error of the one on the whole, which has as much of the one before: what is not resolved
@@ -193,7 +200,7 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit
   Fit fit = coarser;
   fit.misfit = misfit;
   std::rotate(fit.scatter.begin(), fit.scatter.begin() + 1, fit.scatter.end());
-  fit.scatter.back() = std::abs(inside.value - a.value - division * (b.value - a.value));
+  fit.scatter.back() = std::abs(inside.value - a.value - unevenPart * (b.value - a.value));
   const auto middle = fit.scatter.begin() + fit.scatter.size() / 2;
   const double scatter = *std::max_element(middle, fit.scatter.end());
   const bool isForce = isForceGuard(dynamics_.guards()[guard].kind),
@@ -234,7 +241,8 @@ void EventDetection::divide(int guard, const Probe &a, const Probe &b, const Fit
     const bool isHop = starts_[guard].armed == Arming::BySpeed && low->time == starts_[guard].time && low->rate > 0;
     // The zero lies before, in what is no more than rounding, as at the end of a time for which the guard stays at zero.
     const bool isPast = low->value <= zero && low->rate < 0;
-    const bool isOnlyZero = isExact && (((isPositive || isPast) && comesFromAbove) || isHop);
+    const bool isOnlyZero =
+        isExact && ((((isPositive && comesFromAbove) || isHop) && fallsOnce(part, zero, error)) || (isPast && comesFromAbove));
     if (falls && (isOnlyZero || isFinest)) {
       bracketProbes(guard, *low, *high, first);
       return;

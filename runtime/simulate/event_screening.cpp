@@ -126,9 +126,9 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
   }
   fromEnds_ = true;
   Sample &middle = inner_[0];
-  (void)sampleInside(0.5 * (begin_.time + end_.time), false, middle);
+  (void)sampleInside(begin_.time + unevenPart * (end_.time - begin_.time), false, middle);
   measureEnds(middle);
-  bool isClear = othersStayPositive(falling, begin_, middle, 1) && othersStayPositive(falling, middle, end_, 1);
+  bool isClear = othersStayPositive(falling, begin_, middle, 1, &middle) && othersStayPositive(falling, middle, end_, 1, &middle);
   if (falling >= 0 && isClear) {
     isClear = std::max({begin_.rate[falling], middle.rate[falling], end_.rate[falling]}) < 0;
     if (isClear)
@@ -140,17 +140,21 @@ bool EventDetection::examineEndsAlone(DetectedEvent &first) {
 
 // What the curve through the states and rates at the ends may be off by, in each guard: a part of how far it is from the cubic through the
 // guard's values and rates there, which is of an order less by two.
-void EventDetection::measureEnds(const Sample &middle) {
+void EventDetection::measureEnds(Sample &middle) {
   constexpr double part = 0.1;
   const double h = end_.time - begin_.time;
   endsError_.resize(middle.value.size());
-  for (const int k : awake_)
-    endsError_[k] =
-        part * std::abs(CubicHermite{begin_.value[k], begin_.rate[k], end_.value[k], end_.rate[k], h}.value(0.5) - middle.value[k]);
+  middle.misfit.resize(middle.value.size());
+  for (const int k : awake_) {
+    const CubicHermite whole{begin_.value[k], begin_.rate[k], end_.value[k], end_.rate[k], h};
+    middle.misfit[k] =
+        std::max(std::abs(whole.value(unevenPart) - middle.value[k]), 0.25 * std::abs(whole.slope(unevenPart) - h * middle.rate[k]));
+    endsError_[k] = part * middle.misfit[k];
+  }
 }
 
 // All guards with rates but one, by samples from the ends of the step. False: it is not clear.
-bool EventDetection::othersStayPositive(int except, const Sample &a, const Sample &b, int depth) {
+bool EventDetection::othersStayPositive(int except, const Sample &a, const Sample &b, int depth, const Sample *coarser) {
   constexpr int deepestByEnds = 3;
   const auto mayFall = [&](int k) { return k != except && !isSampled(k) && mayDip(k, a, b); };
   if (std::any_of(awake_.begin(), awake_.end(), [&](int k) { return mayFall(k) && b.value[k] < level(k); }))
@@ -160,10 +164,11 @@ bool EventDetection::othersStayPositive(int except, const Sample &a, const Sampl
   if (depth > deepestByEnds)
     return false;
   Sample &middle = pool_[static_cast<std::size_t>(depth)];
-  sampleInside(0.5 * (a.time + b.time), false, middle);
-  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return mayFall(k) && isUnclear(k, a, middle, b); }))
+  sampleInside(a.time + unevenPart * (b.time - a.time), false, middle);
+  middle.misfit.assign(middle.value.size(), std::numeric_limits<double>::infinity());
+  if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return mayFall(k) && isUnclear(k, a, middle, b, coarser); }))
     return true;
-  return othersStayPositive(except, a, middle, depth + 1) && othersStayPositive(except, middle, b, depth + 1);
+  return othersStayPositive(except, a, middle, depth + 1, &middle) && othersStayPositive(except, middle, b, depth + 1, &middle);
 }
 
 }  // namespace tf::runtime

@@ -38,6 +38,13 @@ void Invariants::observe(ModeDynamics &dynamics, bool hasAllGaps) {
         constraint_ = {violation, time, k};
 }
 
+void Invariants::observeInside(const ModelEvaluation &at, double error) {
+  const double *q = at.coordinates();
+  for (int i = 0; i < at.model().nc; ++i)
+    if (at.gap[i] < std::min(gap_.value, -error * at.scales.gap(i, q)))
+      gap_ = {at.gap[i], at.time(), i};
+}
+
 void Invariants::observeEnergy(double error, double time) {
   if (error > energy_.value)
     energy_ = {error, time, -1};

@@ -18,6 +18,9 @@ public:
   // At the dynamics' last evaluation; constraint residuals are evaluated here, and the gaps of contacts that are awake (GapScreen), unless
   // all gaps have been.
   void observe(ModeDynamics &dynamics, bool hasAllGaps);
+  // At a result between the ends of steps, where all gaps have been evaluated: they are zero there only as nearly as the interpolant is
+  // exact, which `error` bounds, in parts of their scales.
+  void observeInside(const ModelEvaluation &model, double error);
   void observeEnergy(double error, double time);
 
   [[nodiscard]] const Extreme &gap() const { return gap_; }                  // least

@@ -290,7 +290,10 @@ tf_status Simulation::Implementation::advanceTo(double time, double firstSample)
 void Simulation::Implementation::values(double *all) {
   values_.evaluate(time_, state_.data(), impulse_.data(), parameters_.data(), all);
   // Where a run has failed there may be no mode that goes on, whose forces would be admissible. Samples are as exact as the tolerance only.
-  if (error_.empty() && !isInSample_)
+  constexpr double tolerances = 10;
+  if (error_.empty() && isInSample_)
+    invariants_.observeInside(at_, tolerances * owner_.options.tolerance);
+  else if (error_.empty())
     observeInvariants(true);
 }
 

@@ -271,6 +271,76 @@ end VibratingTable;
   }
 }
 
+// Low bounces and long ones on a plate that vibrates many times in each: none is missed, however near a crest the ball comes.
+TEST(FastGuards, PlatesThatVibrateUnderBounces) {
+  CompiledModel model(sourceFile("vibrating_plate.tf", R"(
+model VibratingPlate
+  parameter Real amplitude = 0.1, om = 30, phase = 0, e(min = 0) = 0.7;
+  coordinate Real y(start = 1);
+  body ball(mass = 1, position = y);
+  force weight(value = -9.81, at = y);
+  contact plate(gap = y - amplitude*sin(om*time + phase), restitution = e);
+end VibratingPlate;
+)"));
+  std::mt19937_64 generator(1);
+  const auto random = [&generator] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
+  for (int run = 0; run < 200; ++run) {
+    const double om = 10 * std::pow(100, random()), phase = 2 * pi * random();
+    const double amplitude = std::min(0.3, 200 * random() / (om * om));
+    tf_set(model.simulation(), "om", om);
+    tf_set(model.simulation(), "phase", phase);
+    tf_set(model.simulation(), "amplitude", amplitude);
+    tf_set(model.simulation(), "e", 0.3 + 0.7 * random());
+    struct Deepest {
+      const CompiledModel &model;
+      double om, phase, amplitude, gap = 0, time = 0;
+    } deepest{model, om, phase, amplitude};
+    const auto observe = [](void *data, double time) {
+      auto &own = *static_cast<Deepest *>(data);
+      if (const double gap = own.model["y"] - own.amplitude * std::sin(own.om * time + own.phase); gap < own.gap) {
+        own.gap = gap;
+        own.time = time;
+      }
+      return time + 1e-3;
+    };
+    model.tolerance(1e-6).integrator(integrators[run % 4]).initialise();
+    ASSERT_EQ(tf_run(model.simulation(), 3, 1e-3, observe, &deepest), TF_OK) << tf_error_text(model.simulation());
+    EXPECT_GE(deepest.gap, -1e-7) << run << ": t = " << deepest.time;
+  }
+}
+// Teeth of a wheel that turns uniformly pass a carriage which comes nearer: however many of them pass in a step.
+TEST(FastGuards, NoToothOfAWheelIsPassedOver) {
+  CompiledModel model(sourceFile("wheel_with_teeth.tf", R"(
+model WheelWithTeeth
+  parameter Real teeth = 20, depth = 0.1, phase = 0;
+  coordinate Real s(start = 1, der(start = -1)), w(der(start = 10));
+  body carriage(mass = 1, position = s);
+  body wheel(angle = w, inertia = 1);
+  contact tooth(gap = s - depth*sin(teeth*w + phase), restitution = 0.5);
+end WheelWithTeeth;
+)"));
+  std::mt19937_64 generator(1);
+  const auto random = [&generator] { return static_cast<double>(generator() >> 11) * 0x1p-53; };
+  for (int run = 0; run < 1000; ++run) {
+    const double teeth = 1 + std::floor(60 * random()), depth = 0.9 * random(), phase = 2 * pi * random(), speed = 60 * random();
+    SCOPED_TRACE(std::to_string(run) + ": " + std::to_string(teeth) + " teeth, speed " + std::to_string(speed) + ", depth " +
+                 std::to_string(depth));
+    const auto gap = [&](double t) { return 1 - t - depth * std::sin(teeth * speed * t + phase); };
+    double first = 0;
+    const double step = 0.01 / std::max(1.0, teeth * speed);
+    while (gap(first) > 0)
+      first += step;
+    first = bisect(gap, first - step, first);
+    tf_set(model.simulation(), "teeth", teeth);
+    tf_set(model.simulation(), "depth", depth);
+    tf_set(model.simulation(), "phase", phase);
+    tf_set(model.simulation(), "der(w)", speed);
+    model.tolerance(run % 8 < 4 ? 1e-6 : 1e-9).integrator(integrators[run % 4]).run(first + 0.2 * random());
+    ASSERT_FALSE(model.events().empty());
+    EXPECT_NEAR(model.events()[0].time, first, 1e-7);
+  }
+}
+
 // A rotor whose centre drifts to a wall, L − V t − r cos ω t, and one that is thrown over a floor: all is uniform, and one step would turn
 // by up to a million radians.
 TEST(FastGuards, RotorsThatTurnThousandsOfTimesInAFlight) {

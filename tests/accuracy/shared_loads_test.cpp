@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 
 namespace tf::test {
@@ -139,6 +140,47 @@ end Discs;
   for (const double gap : model.valuesOf(TF_KIND_GAP))
     EXPECT_GE(gap, -1e-9);
   EXPECT_GT(model.count(TF_EVENT_IMPACT), 500);
+}
+
+// A pyramid of ten discs that are held by friction alone stands as long as any forces hold it, whether the coefficient falls slowly or all
+// at once; the least of these forces may need more friction than others.
+TEST(SharedLoads, APyramidStandsAsLongAsAnyForcesHoldIt) {
+  const std::string file = sourceFile("pyramid.tf", R"(
+model Pyramid
+  constant Integer n = 10, m = 12;
+  constant Integer row[n] = {0, 0, 0, 0, 1, 1, 1, 2, 2, 3}, column[n] = {0, 1, 2, 3, 0, 1, 2, 0, 1, 0};
+  constant Integer a[m] = {1, 2, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9}, b[m] = {5, 5, 6, 6, 7, 7, 8, 8, 9, 9, 10, 10};
+  parameter Real R = 0.5, d = 1.02, rate = 0, later = 0.9;
+  coordinate Real c[n, 2](start = {{d*(column[k] + row[k]/2), R + row[k]*sqrt(4*R^2 - d^2/4)} for k in 1:n});
+  coordinate Real phi[n];
+  Real mu = if time < 0.1 then 0.9 else later - rate*(time - 0.1);
+  body disc[n](each mass = 1, position = c, angle = phi, each inertia = 0.5*R^2);
+  gravity g(acceleration = {0, -9.81});
+  contact floor[4](gap = {c[k, 2] - R for k in 1:4}, slip = {der(c[k, 1]) + R*der(phi[k]) for k in 1:4}, each friction = mu);
+  Real w[m, 2] = {c[b[k], :] - c[a[k], :] for k in 1:m}, s[m] = {sqrt(w[k, :]*w[k, :]) for k in 1:m};
+  Real v[m, 2] = {der(c[b[k], :]) - der(c[a[k], :]) for k in 1:m};
+  contact pair[m](gap = s - fill(2*R, m), each friction = mu,
+    slip = {(w[k, 1]*v[k, 2] - w[k, 2]*v[k, 1])/s[k] - R*(der(phi[a[k]]) + der(phi[b[k]])) for k in 1:m});
+end Pyramid;
+)");
+  CompiledModel model(file, {{"rate", 1}});
+  model.tolerance(1e-8).run(0.7);
+  double limit = 0;
+  for (const Event &event : model.events())
+    if (event.kind == TF_EVENT_SLIP || event.kind == TF_EVENT_OPENING) {
+      limit = 0.9 - (event.time - 0.1);
+      break;
+    }
+  EXPECT_GT(limit, 0.4);
+  const double height = 0.5 + 3 * std::sqrt(1 - 1.02 * 1.02 / 4);
+  for (const double later : {limit - 1e-3, limit + 1e-3, 0.5, 0.52, 0.54, 0.56, 0.58, 0.6, 0.7, 0.8}) {
+    CompiledModel other(file, {{"later", later}});
+    other.tolerance(1e-8).run(0.3);
+    if (later < limit)
+      EXPECT_LT(other["c[10,2]"], height - 1e-3) << later;
+    else
+      EXPECT_NEAR(other["c[10,2]"], height, 1e-9) << later;
+  }
 }
 
 }  // namespace
