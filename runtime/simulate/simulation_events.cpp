@@ -485,6 +485,25 @@ bool Simulation::Implementation::penetrates(const Mode &mode) {
   return false;
 }
 
+// An open contact with an acceleration that is not zero, which opens it, in the mode that begins here. One without any may as well be
+// closed, as those of bodies that nothing presses together.
+bool Simulation::Implementation::leaves(int contact) {
+  constexpr double rounding = 1e-9;
+  if (mode_.closed[contact] != 0)
+    return false;
+  std::vector<std::uint8_t> alone(model_.nc + model_.nf, 0);
+  alone[contact] = 1;
+  at_.setPoint(time_, state_.data());
+  at_.contactTerms(alone.data());
+  const double *row = at_.normal.data() + static_cast<std::ptrdiff_t>(contact) * model_.nv;
+  double acceleration = at_.normalBias[contact], size = std::abs(acceleration);
+  for (int k = 0; k < model_.nv; ++k) {
+    acceleration += row[k] * rate_[model_.nq + k];
+    size += std::abs(row[k] * rate_[model_.nq + k]);
+  }
+  return std::abs(acceleration) > rounding * size;
+}
+
 // The end of infinitely many impacts: contacts close for good.
 tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
   const double lastImpact = time_;
@@ -530,7 +549,7 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
     transitions.push_back({TF_EVENT_REST, i});
   if (const tf_status status = settle(transitions); status != TF_OK)
     return status;
-  std::erase_if(transitions, [this](const Transition &t) { return t.kind == TF_EVENT_REST && !mode_.closed[t.element]; });
+  std::erase_if(transitions, [this](const Transition &t) { return t.kind == TF_EVENT_REST && leaves(t.element); });
   report(transitions);
   return TF_OK;
 }

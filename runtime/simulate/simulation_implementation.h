@@ -186,6 +186,7 @@ private:
   tf_status changeMode(const Guard &guard, int stopped, double limit);
   tf_status afterImpact(double limit);
   bool penetrates(const Mode &mode);
+  bool leaves(int contact);
   tf_status comeToRest(const RestPoint &point);
   int jamAt(int guard);
   tf_status jam(int contact);

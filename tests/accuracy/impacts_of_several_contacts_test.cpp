@@ -6,9 +6,12 @@
 #include "tests/accuracy/support/compiled_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <limits>
 #include <string>
+#include <utility>
 
 namespace tf::test {
 namespace {
@@ -353,6 +356,44 @@ end PlanarWedge;
       EXPECT_NEAR(model["der(y)"], 0, 1e-12);
       EXPECT_LT(model["ceiling.impulse"], 20);
     }
+}
+
+// Three balls on a rail that nothing presses together: the impacts of the middle one with the others, on either side in turn, bring them to
+// one velocity in finite time, and each contact comes to rest there although it bears nothing from then on.
+TEST(AccumulatingImpacts, OfBallsWithoutLoadEndAtRestWithOneAnother) {
+  const std::string file = sourceFile("three_balls.tf", R"(
+model ThreeBalls
+  parameter Real e[2] = {0.05, 0.06};
+  coordinate Real x[3](start = {0, 1.1, 2.3}, der(start = {1, 0, -0.8}));
+  body ball[3](each mass = 1, position = x);
+  contact pair[2](gap = x[2:3] - x[1:2] - fill(1, 2), restitution = e);
+end ThreeBalls;
+)");
+  for (const auto &[first, second] : {std::pair{0.05, 0.06}, std::pair{0.06, 0.06}, std::pair{0.065, 0.055}}) {
+    double time = 0, gap[2] = {0.1, 0.2}, v[3] = {1, 0, -0.8};
+    for (int impact = 0; impact < 200; ++impact) {
+      double next[2];
+      for (int k = 0; k < 2; ++k)
+        next[k] = v[k] > v[k + 1] ? std::max(gap[k], 0.0) / (v[k] - v[k + 1]) : std::numeric_limits<double>::infinity();
+      const int k = next[0] < next[1] ? 0 : 1;
+      if (!(next[k] < 1))
+        break;
+      time += next[k];
+      for (int i = 0; i < 2; ++i)
+        gap[i] = i == k ? 0 : gap[i] + next[k] * (v[i + 1] - v[i]);
+      const double push = 0.5 * (1 + (k == 0 ? first : second)) * (v[k] - v[k + 1]);
+      v[k] -= push;
+      v[k + 1] += push;
+    }
+    withEachIntegrator(file, 1e-9, 3,
+                       [&](CompiledModel &model) {
+                         EXPECT_EQ(model.count(TF_EVENT_REST), 2);
+                         EXPECT_NEAR(model.eventTime(TF_EVENT_REST), time, 1e-8);
+                         for (const char *velocity : {"der(x[1])", "der(x[2])", "der(x[3])"})
+                           EXPECT_NEAR(model[velocity], 0.2 / 3, 1e-9);
+                       },
+                       {{"e[1]", first}, {"e[2]", second}});
+  }
 }
 
 // A rod falls on two supports inside its radius of gyration, where an impact of one lifts the other end: within each hop of one end the
