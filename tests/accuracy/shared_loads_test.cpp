@@ -183,5 +183,40 @@ end Pyramid;
   }
 }
 
+// A block between a wall and a plate that is pressed on it by N, with a load off its centre: friction on both sides holds it as long as
+// 2 μ N is its weight, when the corners' normal forces are shared so that their friction has no moment left. The least of the forces is
+// beyond the cones before.
+TEST(SharedLoads, AClampHoldsAsLongAsAnyForcesHoldIt) {
+  const std::string file = sourceFile("clamp.tf", R"(
+model Clamp
+  parameter Real later = 0.9, rate = 0, N = 60;
+  parameter Real c[4, 2] = {{-0.2, -0.2}, {-0.2, 0.2}, {0.2, -0.2}, {0.2, 0.2}};
+  Real mu = if time < 0.1 then 0.9 else later - rate*(time - 0.1);
+  coordinate Real p[3], s;
+  coordinate Rotation Q;
+  body block(mass = 2, position = p, orientation = Q, inertia = diagonal({0.02, 0.03, 0.04}));
+  body plate(mass = 1, position = {s, 0, 0});
+  gravity g(acceleration = {0, 0, -9.81});
+  force press(value = -N, at = s);
+  force load(value = {0, 0, -10}, at = p + Q*{0.05, 0.15, 0});
+  Real L[4, 3] = {p + Q*{-0.1, c[k, 1], c[k, 2]} for k in 1:4}, R[4, 3] = {p + Q*{0.1, c[k, 1], c[k, 2]} for k in 1:4};
+  contact left[4](gap = L[:, 1] + fill(0.1, 4), slip = der(L[:, 2:3]), each friction = mu);
+  contact right[4](gap = fill(s + 0.1, 4) - R[:, 1], slip = der(R[:, 2:3]), each friction = mu);
+end Clamp;
+)");
+  const double limit = (2 * 9.81 + 10) / (2 * 60);
+  CompiledModel ramp(file, {{"rate", 1}});
+  ramp.tolerance(1e-8).run(1);
+  EXPECT_NEAR(ramp.eventTime(TF_EVENT_SLIP), 0.1 + 0.9 - limit, 1e-7);
+  for (const double later : {limit - 1e-3, limit + 1e-4, limit + 1e-3, 0.25, 0.26, 0.3, 0.5}) {
+    CompiledModel model(file, {{"later", later}});
+    model.tolerance(1e-8).run(0.3);
+    if (later < limit)
+      EXPECT_LT(model["p[3]"], -1e-5) << later;
+    else
+      EXPECT_NEAR(model["p[3]"], 0, 1e-9) << later;
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
