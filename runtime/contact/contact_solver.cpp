@@ -71,6 +71,7 @@ struct ContactSolver::Workspace {
   int findForced(const ContactProblem &problem);
   void labelMode(const ContactProblem &problem, const ContactMode *preferred);
   double certificate();
+  bool takeForces(double accepted);
   bool keepsRedundant(const ContactProblem &problem, const ContactMode &before);
   bool settleForces(const ContactProblem &problem);
   [[nodiscard]] bool sticks(const ContactProblem &problem, int j) const;
@@ -186,6 +187,26 @@ double ContactSolver::Workspace::certificate() {
   return conic ? cone.certificate(solution.forces, solution.accelerations) : solver.certificate(solution.forces, solution.accelerations);
 }
 
+// The forces of the set, in the frames of the aligned problem, become those of the solution, unless they violate its conditions by more.
+bool ContactSolver::Workspace::takeForces(double accepted) {
+  forcesFound = solution.forces;
+  accelerationsFound = solution.accelerations;
+  solution.forces = set->forces();
+  solution.accelerations = set->accelerations();
+  if (conic)
+    turnForces(-1);
+  const double violation = certificate();
+  if (conic)
+    turnForces(1);
+  if (violation > accepted) {
+    solution.forces = forcesFound;
+    solution.accelerations = accelerationsFound;
+    return false;
+  }
+  solution.violation = violation;
+  return true;
+}
+
 // Where several motions are consistent the previous mode goes on. One of redundant contacts holds as long as any of its forces do, which
 // the solver, that has tried their least-norm force only, does not know: it is tried here, with contacts that have closed since as the
 // solution has them. True: it is the solution's mode now.
@@ -217,20 +238,12 @@ bool ContactSolver::Workspace::keepsRedundant(const ContactProblem &problem, con
     align(problem);
   const ContactProblem &framed = conic ? aligned : problem;
   set->setMode(framed, solution.mode);
-  if (set->singular(framed) && set->solveLeastNorm(framed, settings.degeneracy) == LeastNorm::Status::Solved) {
-    forcesFound = solution.forces;
-    accelerationsFound = solution.accelerations;
-    solution.forces = set->forces();
-    solution.accelerations = set->accelerations();
+  const double found = solution.violation <= settings.nearby ? solution.violation : 0;
+  if (set->singular(framed) && set->solveLeastNorm(framed, settings.degeneracy) == LeastNorm::Status::Solved &&
+      takeForces(std::max(10 * settings.degeneracy, found))) {
     if (conic)
       turnForces(-1);
-    const double violation = certificate(), found = solution.violation <= settings.nearby ? solution.violation : 0;
-    if (violation <= std::max(10 * settings.degeneracy, found)) {
-      solution.violation = violation;
-      return true;
-    }
-    solution.forces = forcesFound;
-    solution.accelerations = accelerationsFound;
+    return true;
   }
   std::swap(solution.mode, kept);
   return false;
@@ -252,21 +265,8 @@ bool ContactSolver::Workspace::settleForces(const ContactProblem &problem) {
     return true;
   // Where shares of the load move slipping contacts, the least-norm share may contradict rows that are not active: then the one found
   // stays.
-  forcesFound = solution.forces;
-  accelerationsFound = solution.accelerations;
-  solution.forces = set->forces();
-  solution.accelerations = set->accelerations();
-  if (conic)
-    turnForces(-1);
-  const double violation = certificate();
-  if (conic)
-    turnForces(1);
-  if (violation > std::max(10 * settings.degeneracy, solution.violation)) {
-    solution.forces = forcesFound;
-    solution.accelerations = accelerationsFound;
+  if (!takeForces(std::max(10 * settings.degeneracy, solution.violation)))
     return true;
-  }
-  solution.violation = violation;
   for (std::size_t k = 0; k < set->limits().size(); ++k)
     if (set->saturated(static_cast<int>(k)) >= 0)
       solution.saturated.push_back(set->limits()[k]);
