@@ -21,7 +21,7 @@ constexpr int deepest = 13;  // divisions of a step in the search for a gap that
 
 // By how much the i-th of equal places is moved, in parts of their distance: else whole periods of a guard might pass between them unseen.
 double unevenShift(long long i) {
-  constexpr double goldenSection = 0.6180339887498949, largest = 0.15;
+  constexpr double largest = 0.15;
   return largest * (2 * std::fmod(static_cast<double>(i) * goldenSection, 1.0) - 1);
 }
 
@@ -375,6 +375,12 @@ bool EventDetection::examineEnds(const Sample &a, const Sample &b, bool withForc
   return dips;
 }
 
+void EventDetection::forgetMisfits(Sample &middle) const {
+  middle.misfit.resize(middle.value.size());
+  for (const int k : awake_)
+    middle.misfit[k] = std::numeric_limits<double>::infinity();
+}
+
 // Whether a guard that may dip is not clearly positive between the samples: the cubic through the ends must predict the middle well enough.
 // `coarser`: the middle of the interval that this one is a part of, or null.
 bool EventDetection::isUnclear(int guard, const Sample &a, Sample &middle, const Sample &b, const Sample *coarser) const {
@@ -388,19 +394,16 @@ bool EventDetection::isUnclear(int guard, const Sample &a, Sample &middle, const
   const CubicHermite whole{begin, a.rate[guard], end, b.rate[guard], h};
   const double place = (middle.time - a.time) / h;
   const double ofValue = std::abs(whole.value(place) - value), ofSlope = std::abs(whole.slope(place) - h * rate);
-  double error = std::max(ofValue, 0.25 * ofSlope);
+  const double own = std::max(ofValue, 0.25 * ofSlope);
   const double before = coarser != nullptr ? coarser->misfit[guard] : std::numeric_limits<double>::infinity();
   const double reach = h * std::max({std::abs(a.rate[guard]), std::abs(rate), std::abs(b.rate[guard])});
-  const bool isFirst = !(before < std::numeric_limits<double>::infinity());
-  const double own = error;
-  if (!isFirst)
-    error = std::max(error, decay * before);
-  middle.misfit[guard] = error;
-  if (isFirst ? !(std::max(ofValue, 0.5 * ofSlope) <= fitting * reach) : !(own <= resolved * reach))
+  const bool isFirst = !std::isfinite(before);
+  middle.misfit[guard] = isFirst ? own : std::max(own, decay * before);
+  const bool fits = isFirst ? std::max(ofValue, 0.5 * ofSlope) <= fitting * reach : own <= resolved * reach;
+  if (!fits)
     return true;
-  // That much better it is by chance only.
-  if (!isFirst && own < 0.2 * decay * before)
-    error = before;
+  // What is so much better than before is so by chance.
+  double error = !isFirst && own < 0.2 * decay * before ? before : middle.misfit[guard];
   if (fromEnds_)
     error = std::max(error, endsError_[guard]);
   const double left = CubicHermite{begin, a.rate[guard], value, rate, middle.time - a.time}.interiorMinimum();
@@ -417,7 +420,7 @@ void EventDetection::examine(const Sample &a, const Sample &b, int depth, Detect
   Sample &middle = pool_[depth];
   if (!sampleInside(a.time + unevenPart * (b.time - a.time), false, middle))
     return;
-  middle.misfit.assign(middle.value.size(), std::numeric_limits<double>::infinity());
+  forgetMisfits(middle);
   const Sample *coarser = depth > 0 ? &pool_[depth - 1] : nullptr;
   const auto isOpen = [&](int k) { return !isSampled(k) && mayDip(k, a, b) && isUnclear(k, a, middle, b, coarser); };
   if (std::none_of(awake_.begin(), awake_.end(), isOpen))
@@ -540,11 +543,10 @@ DetectedEvent EventDetection::search() {
   readEnd(end_);
   samplesVarying_ = samplesVarying();
   fastest_.resize(end_.rate.size());
-  for (const int k : awake_)
-    fastest_[k] = std::max(std::abs(begin_.rate[k]), std::abs(end_.rate[k]));
   bool quiet = true, steady = true;
   needsRates_ = false;
   for (const int k : awake_) {
+    fastest_[k] = std::max(std::abs(begin_.rate[k]), std::abs(end_.rate[k]));
     if (isSampled(k))
       continue;
     const GuardKind kind = dynamics_.guards()[k].kind;

@@ -32,6 +32,8 @@ struct DetectedEvent {
 // Where intervals of a step are divided: no period of what is sampled has a simple ratio to it, so that none is passed over in step with
 // it.
 inline constexpr double unevenPart = 0.4619397662556434;
+// Fractional parts of its multiples are as uneven.
+inline constexpr double goldenSection = 0.6180339887498949;
 
 class EventDetection {
 public:
@@ -84,7 +86,7 @@ private:
   struct Sample {
     double time = 0;
     std::vector<double> value, rate;
-    std::vector<double> misfit;  // of the cubics on the interval that it divides, see isUnclear
+    std::vector<double> misfit;  // of the cubics on the interval that it divides, see isUnclear; infinite: not known
   };
 
   // Of one guard.
@@ -120,6 +122,7 @@ private:
   [[nodiscard]] double mostIntervals() const;
   [[nodiscard]] double nextUniformSample(double time, long long number) const;
   void examineSamples(bool withForces, DetectedEvent &first);
+  void forgetMisfits(Sample &middle) const;
   [[nodiscard]] bool isUnclear(int guard, const Sample &a, Sample &middle, const Sample &b, const Sample *coarser) const;
   void interpolate(double time);
   bool examineEnds(const Sample &a, const Sample &b, bool withForces, DetectedEvent &first);

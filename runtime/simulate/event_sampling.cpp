@@ -16,7 +16,6 @@ namespace {
 const std::vector<double> twoParts = {unevenPart, 0.8090169943749475};
 // Of steps over a time of rest, which may be all of the run: none of what lasts a twentieth of it is passed over.
 const std::vector<double> &manyParts() {
-  constexpr double goldenSection = 0.6180339887498949;
   constexpr int count = 64;
   static const std::vector<double> parts = [] {
     std::vector<double> all(count);

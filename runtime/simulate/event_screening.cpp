@@ -165,7 +165,7 @@ bool EventDetection::othersStayPositive(int except, const Sample &a, const Sampl
     return false;
   Sample &middle = pool_[static_cast<std::size_t>(depth)];
   sampleInside(a.time + unevenPart * (b.time - a.time), false, middle);
-  middle.misfit.assign(middle.value.size(), std::numeric_limits<double>::infinity());
+  forgetMisfits(middle);
   if (std::none_of(awake_.begin(), awake_.end(), [&](int k) { return mayFall(k) && isUnclear(k, a, middle, b, coarser); }))
     return true;
   return othersStayPositive(except, a, middle, depth + 1, &middle) && othersStayPositive(except, middle, b, depth + 1, &middle);

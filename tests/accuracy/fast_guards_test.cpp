@@ -308,6 +308,7 @@ end VibratingPlate;
     EXPECT_GE(deepest.gap, -1e-7) << run << ": t = " << deepest.time;
   }
 }
+
 // Teeth of a wheel that turns uniformly pass a carriage which comes nearer: however many of them pass in a step.
 TEST(FastGuards, NoToothOfAWheelIsPassedOver) {
   CompiledModel model(sourceFile("wheel_with_teeth.tf", R"(
