@@ -439,12 +439,12 @@ double ModeDynamics::normalForce(int contact) const {
   return 0;
 }
 
-int ModeDynamics::jammedContact(double pressing) {
+int ModeDynamics::jammedContact(double pressing, double ratio) {
   complete();
   for (const Jam &jam : jammedNormals(problem_, contactMode_))
-    if (!(closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_))
+    if (jam.ratio <= ratio && !(closedForce_[jam.row] * jam.response <= pressing * jam.own * beginForce_))
       return rows_.contacts()[jam.row];
-  if (constexpr double near = 1e-3; !isNearSharedPole(near))
+  if (constexpr double near = 1e-3; !isNearSharedPole(std::min(near, ratio)))
     return -1;
   // Of redundant contacts that jam one another each may be right alone.
   const auto normals = rowForces().first(rows_.normalCount());

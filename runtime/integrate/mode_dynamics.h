@@ -145,8 +145,9 @@ public:
   [[nodiscard]] int contactOfMargin(int margin) const;
   // The closed contact whose force grows beyond all bounds at the last evaluation's point, because slips press it in (jammedNormals); −1:
   // none. Without its force it approaches by an acceleration of at least `pressing` times what the largest force at the begin of the mode
-  // gives a contact.
-  [[nodiscard]] int jammedContact(double pressing = -std::numeric_limits<double>::infinity());
+  // gives a contact, and friction has left at most `ratio` of what that force does to its own acceleration.
+  [[nodiscard]] int jammedContact(double pressing = -std::numeric_limits<double>::infinity(),
+                                  double ratio = std::numeric_limits<double>::infinity());
 
   // At the last evaluation's point: power of friction forces on the slips (≤ 0), and of all contact, friction and constraint forces on the
   // motion; they differ where boundaries move.

@@ -220,6 +220,10 @@ tf_status Simulation::Implementation::step(double limit) {
   StepStatus status = integrators_.current().step(detection_.stepLimit(farthest));
   if (const int guard = status != StepStatus::Done ? switchAhead() : -1; guard >= 0)
     return passSwitch(guard, limit);
+  // This near to a pole of the forces another integrator would only follow their rounding.
+  if (constexpr double near = 1e-8; status != StepStatus::Done && dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    if (const int contact = dynamics_.jammedContact(clearlyPressing, near); contact >= 0)
+      return jam(contact);
   if (SmoothIntegrator *other = status != StepStatus::Done ? integrators_.afterFailure() : nullptr; other != nullptr) {
     if (!takeOver(*other, IntegratorReason::Failure))
       return failEvaluation();

@@ -557,10 +557,10 @@ tf_status Simulation::Implementation::comeToRest(const RestPoint &point) {
 // The contact that jams at the zero of a Force guard; −1: none. Where the force is a quotient of two numbers near zero, it is an error's
 // work which of them comes first. A mode that begins where another one has just jammed has forces near a pole from its begin on.
 int Simulation::Implementation::jamAt(int guard) {
-  constexpr double clear = 1e-4, together = 1e-9;
+  constexpr double together = 1e-9;
   if (std::isfinite(jamTime_) && time_ - jamTime_ <= together * timeScale())
     return dynamics_.jammedContact();
-  return dynamics_.isPole(guard) ? dynamics_.jammedContact(clear) : -1;
+  return dynamics_.isPole(guard) ? dynamics_.jammedContact(clearlyPressing) : -1;
 }
 
 // The force of a contact grows beyond all bounds as D_s reaches zero (Génot and Brogliato, Eur. J. Mech. A/Solids 18, 1999): what follows

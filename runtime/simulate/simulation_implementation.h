@@ -188,6 +188,8 @@ private:
   bool penetrates(const Mode &mode);
   bool leaves(int contact);
   tf_status comeToRest(const RestPoint &point);
+  // What presses a contact that jams beyond doubt (ModeDynamics::jammedContact).
+  static constexpr double clearlyPressing = 1e-4;
   int jamAt(int guard);
   tf_status jam(int contact);
   tf_status timeEvent();

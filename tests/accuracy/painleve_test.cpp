@@ -2,6 +2,7 @@
 #include "tests/accuracy/constants.h"
 #include "tests/accuracy/support/compiled_model.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <gtest/gtest.h>
@@ -159,6 +160,44 @@ TEST(Painleve, SlidingRodOpensShortlyBeforeItsForceBecomesIndeterminate) {
     const double time = model.eventTime(TF_EVENT_OPENING), spin = model["der(phi)"], angle = model["phi"] - spin * (0.05 - time);
     EXPECT_NEAR(0.5 * std::sin(angle) * spin * spin, g, 1e-6);
   }
+}
+
+// A box on a belt, and a driven rod that sticks to its side: the determinant of the forces of both contacts goes to zero while the
+// velocities change by as much in each part of the time that is left. No integrator but the first follows them, and no power is refined,
+// into rounding.
+TEST(Painleve, TwoContactsThatBlowUpTogether) {
+  const std::string file = sourceFile("conveyor.tf", R"(
+model Conveyor
+  parameter Real b = 0.1, h = 0.15, l = 0.6, H = 0.5, belt = -1.859;
+  coordinate Real r[2](start = {0.561, h}, der(start = {0.92, 0}));
+  coordinate Real f;
+  coordinate Real p(start = 0.9, der(start = -1.648));
+  Real u[2] = {cos(f), sin(f)}, n[2] = {-sin(f), cos(f)};
+  Real c[2, 2] = {r - b*u - h*n, r + b*u - h*n};
+  Real tip[2] = {l*cos(p), H - l*sin(p)}, d[2] = tip - r;
+  body box(mass = 2, position = r, angle = f, inertia = 0.03);
+  body rod(mass = 0.5, position = {l/2*cos(p), H - l/2*sin(p)}, angle = -p, inertia = 0.01);
+  gravity weight(acceleration = {0, -9.81});
+  force drive(value = -6.138, at = p);
+  contact floor[2](gap = c[:, 2], slip = {der(c[1, 1]) - belt, der(c[2, 1]) - belt}, each friction = 1.25, each restitution = 0.3);
+  contact side(gap = -(d*u) - b, slip = (der(tip[1]) - der(r[1]))*n[1] + (der(tip[2]) - der(r[2]))*n[2] - der(f)*(d*u), friction = 2.934,
+               restitution = 0.3);
+end Conveyor;
+)");
+  std::vector<double> spins;
+  for (const double tolerance : {1e-8, 1e-9, 1e-10}) {
+    CompiledModel model(file);
+    ASSERT_EQ(tf_set_energy_balance(model.simulation(), 1), TF_OK);
+    model.tolerance(tolerance).run(0.12);
+    EXPECT_EQ(model.count(TF_EVENT_PAINLEVE), 1);
+    EXPECT_NEAR(model.eventTime(TF_EVENT_PAINLEVE), 0.0985413073, 1e-10);
+    const tf_statistics &statistics = *tf_get_statistics(model.simulation());
+    EXPECT_LT(statistics.worst_energy_error, 10 * std::max(tolerance, 1e-8));
+    EXPECT_LT(statistics.evaluations, 2'000'000);
+    spins.push_back(model["der(f)"]);
+  }
+  EXPECT_NEAR(spins[0], spins[1], 1e-6);
+  EXPECT_NEAR(spins[0], spins[2], 1e-6);
 }
 
 }  // namespace
