@@ -227,6 +227,17 @@ void ModelEvaluation::contactTerms(const std::uint8_t *mask) {
   model_->contact_terms(in_, out, mask);
 }
 
+GapAcceleration ModelEvaluation::gapAcceleration(int contact, const double *accelerations) const {
+  const int nv = model_->nv;
+  const double *row = normal.data() + static_cast<std::ptrdiff_t>(contact) * nv;
+  GapAcceleration sum = {normalBias[contact], std::abs(normalBias[contact])};
+  for (int k = 0; k < nv; ++k) {
+    sum.value += row[k] * accelerations[k];
+    sum.size += std::abs(row[k] * accelerations[k]);
+  }
+  return sum;
+}
+
 void ModelEvaluation::contactParameters() {
   double *const out[] = {rate.data(), restitution.data()};
   model_->contact_parameters(in_, out, nullptr);

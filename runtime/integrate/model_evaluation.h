@@ -16,6 +16,11 @@
 namespace tf::runtime {
 
 // Shapes and layouts are those of runtime/abi/tf_model.h. Arrays hold the results of the latest call of the function named beside them.
+// The acceleration of a gap, m/s², and the sum of the magnitudes of its terms.
+struct GapAcceleration {
+  double value = 0, size = 0;
+};
+
 class ModelEvaluation {
 public:
   ModelEvaluation(const tf_model &model, const InputSignals &inputs);
@@ -58,6 +63,8 @@ public:
   void cover(GapScreen &screen, const double *center, const double *radius);
   // mask [nc + nf]
   void contactTerms(const std::uint8_t *mask);
+  // d²g/dt² of a contact whose terms have been called, with accelerations [nv].
+  [[nodiscard]] GapAcceleration gapAcceleration(int contact, const double *accelerations) const;
   void contactParameters();
   // scales, from the rows at (t, y) and where the coordinates are displaced by their nominal magnitudes. Changes the rows.
   void measureScales(double time, const double *state);

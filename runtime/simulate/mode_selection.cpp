@@ -81,16 +81,21 @@ void ModeSelection::removeGrazing(const double *state) {
       return true;
     if (!(least >= 0))
       return false;
-    const double *row = at_.normal.data() + static_cast<std::ptrdiff_t>(i) * model.nv;
-    double acceleration = at_.normalBias[i];
-    for (int k = 0; k < model.nv; ++k)
-      acceleration += row[k] * at_.acceleration[k];
+    const double acceleration = at_.gapAcceleration(i, at_.acceleration.data()).value;
     return acceleration > 0 && rate * rate <= 2 * acceleration * least;
   });
   if (!grazing_.empty())
     approaching_.erase(std::remove_if(approaching_.begin(), approaching_.end(),
                                       [this](int i) { return std::binary_search(grazing_.begin(), grazing_.end(), i); }),
                        approaching_.end());
+}
+
+bool ModeSelection::hasStopped(double time, const double *state) {
+  if (parting_.empty())
+    return false;
+  at_.setPoint(time, state);
+  at_.switching(ModelEvaluation::Gaps);
+  return std::any_of(parting_.begin(), parting_.end(), [this, state](int i) { return at_.gapRate[i] <= stillRate(i, state); });
 }
 
 bool ModeSelection::letGraze(const double *state) {
@@ -247,8 +252,12 @@ void ModeSelection::chooseRows(double time, const double *state, const Mode &pre
   std::vector<int> &contacts = contacts_, &tangents = tangents_;
   contacts.clear();
   tangents.clear();
-  std::copy_if(touching_.begin(), touching_.end(), std::back_inserter(contacts),
-               [this, state](int i) { return std::abs(at_.gapRate[i]) <= stillRate(i, state); });
+  parting_.clear();
+  for (const int i : touching_)
+    if (const double rate = at_.gapRate[i], still = stillRate(i, state); std::abs(rate) <= still)
+      contacts.push_back(i);
+    else if (rate > 0)
+      parting_.push_back(i);
   if (contacts.empty() && model.nf == 0) {
     if (problem_.count() > 0) {
       system_.choose(model, contacts, tangents);

@@ -66,6 +66,9 @@ public:
   [[nodiscard]] const std::vector<int> &touching() const { return touching_; }
   [[nodiscard]] const std::vector<int> &approaching() const { return approaching_; }
   [[nodiscard]] const std::vector<int> &grazing() const { return grazing_; }
+  // At the state, which has moved to what the selected mode holds: of the touching contacts that parted at the selection, one does no
+  // longer.
+  bool hasStopped(double time, const double *state);
   // The contacts in approaching(), which no impulse can part, graze as long as they are hardly faster and their gaps are hardly below zero.
   // False: they already are further below, or not all approach slowly.
   bool letGraze(const double *state);
@@ -139,16 +142,16 @@ private:
   Selection selection_;
   Mode &mode_ = selection_.mode;  // what is being tried
   Mode found_, heldMode_;
-  std::vector<int> touching_, approaching_, grazing_;
-  std::vector<int> contacts_, tangents_;                   // of the problem
-  std::vector<int> surfaces_;                              // switches on their surfaces
-  int left_ = -1;                                          // of them, where a sliding mode ends; −1: none
-  std::vector<Choices> choices_;                           // of each, in order of preference
-  std::vector<std::uint8_t> stays_;                        // of each: its condition stays zero in the mode
-  std::vector<int> contactOf_;                             // nt, see contactsOfTangents
-  std::vector<TangentRole> roles_;                         // nt
-  std::vector<std::uint8_t> mask_, surfaceMask_, ofTime_;  // nc + nf; ns; ns
-  std::vector<std::uint8_t> slowMask_;                     // nc + nf
+  std::vector<int> touching_, approaching_, grazing_, parting_;  // parting_: of those that touched at the last choice of rows
+  std::vector<int> contacts_, tangents_;                         // of the problem
+  std::vector<int> surfaces_;                                    // switches on their surfaces
+  int left_ = -1;                                                // of them, where a sliding mode ends; −1: none
+  std::vector<Choices> choices_;                                 // of each, in order of preference
+  std::vector<std::uint8_t> stays_;                              // of each: its condition stays zero in the mode
+  std::vector<int> contactOf_;                                   // nt, see contactsOfTangents
+  std::vector<TangentRole> roles_;                               // nt
+  std::vector<std::uint8_t> mask_, surfaceMask_, ofTime_;        // nc + nf; ns; ns
+  std::vector<std::uint8_t> slowMask_;                           // nc + nf
   std::vector<double> rate_, freeAcceleration_, guess_, settledForces_;
   std::vector<double> grazingSpeed_;  // nc: of letGraze
   bool grazes_ = false;               // one of them may not be zero

@@ -16,7 +16,7 @@ Simulation::Implementation::Implementation(Simulation &owner, ModelInstance &ins
       selection_(dynamics_), impact_(at_), rest_(dynamics_, selection_), values_(dynamics_), failures_(dynamics_, instance),
       integrators_(dynamics_), n_(at_.stateSize()), state_(n_), rate_(n_), before_(n_), impulse_(model_.nc),
       beforeValues_(model_.variable_count), detection_(dynamics_), redundancy_(at_), energyJump_(at_), mayStop_(model_.nt),
-      interpolated_(n_) {
+      contactMask_(model_.nc + model_.nf), interpolated_(n_) {
   for (Mode *mode : {&mode_, &previousMode_, &restingMode_}) {
     mode->closed.reserve(model_.nc);
     mode->tangent.reserve(model_.nt);

@@ -20,16 +20,22 @@ void Simulation::Implementation::readApproaches() {
 tf_status Simulation::Implementation::settle(std::vector<Transition> &transitions, EventHint hint) {
   constexpr int mostPasses = 50, mostImpulses = 40;
   int impulses = 0, forced = -1;  // of friction, `mostImpulses` of which have changed nothing, and the contact of the last one
+  int stopped = 0;                // how often the mode has stopped contacts that it had taken for parting
   approaches_.clear();
-  // An impulse, which makes another pass, makes another normal force, and touching contacts move.
-  for (int pass = 0; pass < mostPasses; ++pass, hint.forceless = -1, hint.keepsOpen = false) {
+  // An impulse makes another normal force, and touching contacts move.
+  const auto freezeAt = [&](int contact) {
+    hint.forceless = -1;
+    hint.keepsOpen = false;
+    return freeze(transitions, contact);
+  };
+  for (int pass = 0; pass < mostPasses; ++pass) {
     const Selection &selection = selection_.select(time_, state_.data(), mode_, hint);
     ++statistics_.contact_solves;
     switch (selection.status) {
     case SelectionStatus::Impact:
       if (pass == 0)
         readApproaches();
-      if (const tf_status status = freeze(transitions, -1); status != TF_OK)
+      if (const tf_status status = freezeAt(-1); status != TF_OK)
         return status;
       continue;
     case SelectionStatus::FrictionalImpulse:
@@ -38,11 +44,14 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
         arrived.reserve(approaches_.size());
         for (const Approach &approach : approaches_)
           arrived.push_back(approach.contact);
-        if (selection_.keepOpen(arrived, state_.data()))
+        if (selection_.keepOpen(arrived, state_.data())) {
+          hint.forceless = -1;
+          hint.keepsOpen = false;
           continue;
+        }
       }
       forced = selection.contact;
-      if (const tf_status status = freeze(transitions, forced); status != TF_OK)
+      if (const tf_status status = freezeAt(forced); status != TF_OK)
         return status;
       continue;
     case SelectionStatus::Failed:
@@ -51,8 +60,14 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
       if (selection.text.empty())
         return failEvaluation();
       return failAt(selection.text);
-    case SelectionStatus::Selected:
+    case SelectionStatus::Selected: {
+      bool moves = false;
+      if (const tf_status status = holdSelected(selection, moves); status != TF_OK)
+        return status;
+      if (moves && stopped++ < model_.nc && selection_.hasStopped(time_, state_.data()))
+        continue;
       return enterMode(selection, transitions);
+    }
     }
   }
   if (const std::string text = failures_.undefinedContact(time_, state_.data()); !text.empty())
@@ -62,20 +77,23 @@ tf_status Simulation::Implementation::settle(std::vector<Transition> &transition
                                          elementText(model_, forced)));
 }
 
+// What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
+// `moves`: the state does.
+tf_status Simulation::Implementation::holdSelected(const Selection &selection, bool &moves) {
+  constexpr double rounding = 1e-14;
+  std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
+  moves = dynamics_.projectStart(time_, state_.data(), integrators_.current().settings().scale.data()) > rounding;
+  if ((moves || selection.isSettled) && !dynamics_.evaluate(time_, state_.data(), rate_.data()))
+    return failEvaluation();
+  if (moves)
+    dynamics_.acceptContradiction();
+  return TF_OK;
+}
+
 tf_status Simulation::Implementation::enterMode(const Selection &selection, std::vector<Transition> &transitions) {
   std::swap(previousMode_, mode_);
   mode_ = selection.mode;
   modeValid_ = true;
-  std::copy(selection_.rate().begin(), selection_.rate().end(), rate_.begin());
-  // What was taken for zero within the selection's tolerance becomes zero now, not in the first step, where it would pass for motion.
-  constexpr double rounding = 1e-14;
-  if (dynamics_.projectStart(time_, state_.data(), integrators_.current().settings().scale.data()) > rounding) {
-    if (!dynamics_.evaluate(time_, state_.data(), rate_.data()))
-      return failEvaluation();
-    dynamics_.acceptContradiction();
-  } else if (selection.isSettled && !dynamics_.evaluate(time_, state_.data(), rate_.data())) {
-    return failEvaluation();
-  }
   // Where no contact is to blame, loads that redundant contacts may share in several ways leave the motion open.
   if (selection.indeterminate && selection.contact >= 0)
     transitions.push_back({TF_EVENT_PAINLEVE, selection.contact});
@@ -491,17 +509,12 @@ bool Simulation::Implementation::leaves(int contact) {
   constexpr double rounding = 1e-9;
   if (mode_.closed[contact] != 0)
     return false;
-  std::vector<std::uint8_t> alone(model_.nc + model_.nf, 0);
-  alone[contact] = 1;
+  std::fill(contactMask_.begin(), contactMask_.end(), std::uint8_t{0});
+  contactMask_[contact] = 1;
   at_.setPoint(time_, state_.data());
-  at_.contactTerms(alone.data());
-  const double *row = at_.normal.data() + static_cast<std::ptrdiff_t>(contact) * model_.nv;
-  double acceleration = at_.normalBias[contact], size = std::abs(acceleration);
-  for (int k = 0; k < model_.nv; ++k) {
-    acceleration += row[k] * rate_[model_.nq + k];
-    size += std::abs(row[k] * rate_[model_.nq + k]);
-  }
-  return std::abs(acceleration) > rounding * size;
+  at_.contactTerms(contactMask_.data());
+  const GapAcceleration acceleration = at_.gapAcceleration(contact, rate_.data() + model_.nq);
+  return std::abs(acceleration.value) > rounding * acceleration.size;
 }
 
 // The end of infinitely many impacts: contacts close for good.

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace tf::runtime {
 
@@ -17,6 +18,25 @@ double Simulation::Implementation::velocityScale(const std::vector<int> &contact
       scale = std::max(scale, at_.scales.slip(row, velocities, 1));
   }
   return scale;
+}
+
+// The fastest approach of these contacts if all of them are so slow that hops after them, with the accelerations of the last evaluation,
+// would be lower than the rounding of gaps: no event can tell their order. 0: they are not.
+double Simulation::Implementation::fastestUnresolved(const std::vector<int> &approaching) {
+  constexpr double rounding = std::numeric_limits<double>::epsilon();
+  std::vector<std::uint8_t> &mask = contactMask_;
+  std::fill(mask.begin(), mask.end(), std::uint8_t{0});
+  for (const int i : approaching)
+    mask[i] = 1;
+  at_.contactTerms(mask.data());
+  double fastest = 0;
+  for (const int i : approaching) {
+    const double speed = -at_.gapRate[i], acceleration = std::abs(at_.gapAcceleration(i, at_.acceleration.data()).value);
+    if (!(speed * speed <= 2 * acceleration * rounding * at_.scales.gap(i, state_.data())))
+      return 0;
+    fastest = std::max(fastest, speed);
+  }
+  return fastest;
 }
 
 // Without a forced contact the selection's lists of contacts are those at the state.
@@ -38,7 +58,9 @@ tf_status Simulation::Implementation::freeze(std::vector<Transition> &transition
   const double part = shakes  ? std::max(integrators_.current().settings().tolerance, stopTolerance())
                       : turns ? std::max(followed, stopTolerance())
                               : stopTolerance();
-  const double slow = part * velocityScale(contacts);
+  double slow = part * velocityScale(contacts);
+  if (shakes)
+    slow = std::max(slow, fastestUnresolved(approaching));
   std::vector<int> starters;
   if (forced >= 0) {
     starters.push_back(forced);

@@ -97,7 +97,8 @@ public:
   std::vector<Approach> approaches_;  // before the event
   std::vector<int> frozenContacts_, frozenApproaching_;
   Mode restingMode_;
-  std::vector<std::uint8_t> mayStop_;  // nt: slips that may become zero after an impact
+  std::vector<std::uint8_t> mayStop_;      // nt: slips that may become zero after an impact
+  std::vector<std::uint8_t> contactMask_;  // nc + nf: whose terms are called
   std::vector<double> incoming_, afterImpact_, interpolated_, sample_, sampleRate_, slopes_;
 
 private:
@@ -168,6 +169,7 @@ private:
 
   // simulation_events.cpp
   tf_status settle(std::vector<Transition> &transitions, EventHint hint = {});
+  tf_status holdSelected(const Selection &selection, bool &moves);
   tf_status enterMode(const Selection &selection, std::vector<Transition> &transitions);
   void readApproaches();
   [[nodiscard]] int elementOf(const Guard &guard, int stopped) const;
@@ -200,6 +202,7 @@ private:
 
   // simulation_impacts.cpp
   [[nodiscard]] double velocityScale(const std::vector<int> &contacts) const;
+  double fastestUnresolved(const std::vector<int> &approaching);
   tf_status freeze(std::vector<Transition> &transitions, int forced);
   void copyMode(Mode &mode) const;
   bool projectOnto(const Mode &mode, double time, double *state);

@@ -456,5 +456,44 @@ end TwoRoughSupports;
   EXPECT_NEAR(sensitivity(model, "r[1]", 0), differenceQuotient(placeOfRough, 0.3, 1e-3), 1e-7);
 }
 
+// A foot whose ankle's stop, heel and head shake one another, in accumulations of accumulations whose hops become lower than what gaps are
+// rounded to. Without restitution what the contacts that close stop is what keeps another one parting; with restitution, the impacts have
+// no order there.
+TEST(AccumulatingImpacts, OfThreeContactsEndAtEachTolerance) {
+  const std::string file = sourceFile("foot.tf", R"(
+model Foot
+  parameter Real mu = 0.643, L = 0.3, h = 0.1, l = 0.8, e = 0, vx = -2.393, spin = -1.378, T = 16.962;
+  coordinate Real r[2](start = {0, h}, der(start = {vx, 0}));
+  coordinate Real f;
+  coordinate Real b(start = 0.487, der(start = spin));
+  Real heel[2] = r + {-0.3*L*cos(f) + h*sin(f), -0.3*L*sin(f) - h*cos(f)};
+  Real toe[2] = r + {0.7*L*cos(f) + h*sin(f), 0.7*L*sin(f) - h*cos(f)};
+  body foot(mass = 1, position = (heel + toe + r)/3, angle = f, inertia = 0.01);
+  body shin(mass = 4, position = r + l*{-sin(b), cos(b)}, angle = b, inertia = 0.1);
+  gravity weight(acceleration = {0, -9.81});
+  force ankle(value = T, at = b - f);
+  contact floor[2](gap = {heel[2], toe[2]}, slip = {der(heel[1]), der(toe[1])}, each friction = mu, each restitution = e);
+  contact head(gap = r[2] + 2*l*cos(b), slip = der(r[1] - 2*l*sin(b)), friction = mu, restitution = e);
+  contact stop[2](gap = {0.6 - (b - f), b - f + 0.6}, each restitution = e);
+end Foot;
+)");
+  const std::vector<Settings> cases = {
+      {},
+      {{"mu", 0.9661421522786328}, {"vx", -2.859093053888766}, {"spin", -1.1319219096251532}, {"T", 14.529987872731684}, {"e", 0.3}},
+      {{"mu", 0.5608059663733073}, {"vx", -2.3355330437390682}, {"spin", -1.4941115167652652}, {"T", 12.552912262686192}, {"e", 0.3}}};
+  for (const Settings &settings : cases) {
+    CompiledModel reference(file, settings);
+    reference.tolerance(1e-9).run(0.8);
+    for (const tf_integrator integrator : integrators)
+      for (const double tolerance : {1e-11, 1e-12, 1e-13}) {
+        CompiledModel model(file, settings);
+        ASSERT_NO_THROW(model.tolerance(tolerance).integrator(integrator).run(0.8)) << integrator << ", tolerance " << tolerance;
+        EXPECT_LT(model.events().size(), 10'000u) << integrator << ", tolerance " << tolerance;
+        EXPECT_NEAR(model["r[1]"], reference["r[1]"], 1e-7) << integrator << ", tolerance " << tolerance;
+        EXPECT_GT(tf_get_statistics(model.simulation())->worst_gap, -1e-10);
+      }
+  }
+}
+
 }  // namespace
 }  // namespace tf::test
