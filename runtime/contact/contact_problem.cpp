@@ -3,6 +3,7 @@
 #include "runtime/contact/frame_turns.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace tf::runtime {
 
@@ -18,7 +19,19 @@ void ContactRows::resize(int normals, int tangents) {
 
 bool ContactProblem::isInert(int j) const {
   const int row = normalCount + j;
-  return owner[j] >= 0 && partner[j] < 0 && isInertSlip(delassus(row, row), delassus(owner[j], owner[j]));
+  if (partner[j] >= 0)
+    return false;
+  if (owner[j] >= 0)
+    return isInertSlip(delassus(row, row), delassus(owner[j], owner[j]));
+  double largest = 0;
+  for (int other = 0; other < count(); ++other) {
+    const double response = std::sqrt(delassus(other, other));
+    if (other != row && response > 0)
+      largest = std::max(largest, std::abs(bias[other]) / response);
+    if (other >= normalCount && owner[other - normalCount] < 0)
+      largest = std::max(largest, bound[other - normalCount] * response);
+  }
+  return largest > 0 && std::abs(bias[row]) > deadCentre * largest * std::sqrt(std::max(0.0, delassus(row, row)));
 }
 
 bool ContactRows::hasDisks() const {

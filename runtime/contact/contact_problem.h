@@ -26,6 +26,10 @@ namespace tf::runtime {
   return ownResponse <= vanishing * normalResponse;
 }
 
+// A slip of a friction element whose acceleration would take forces to hold it that are so many times larger than those of all other rows,
+// in the metric of D, is at a dead centre: its derivative by the velocities is zero but for rounding.
+inline constexpr double deadCentre = 1e6;
+
 // Which rows there are and what their friction is.
 struct ContactRows {
   int normalCount = 0;           // n
@@ -57,7 +61,8 @@ struct ContactProblem : ContactRows {
 
   // D and φ are zero afterwards, and there is no load.
   void resize(int normals, int tangents);
-  // isInertSlip of tangential row j, the slip's only one.
+  // No force changes the acceleration of tangential row j, the slip's only one, noticeably: isInertSlip, or, of friction
+  // elements, a dead centre.
   [[nodiscard]] bool isInert(int j) const;
   // Turns the frame of the pair that begins with tangential row j: the new first row is c·first + s·second, c² + s² = 1.
   void turnPair(int j, double c, double s);

@@ -55,8 +55,6 @@ void PlanarFrictionSolver::scale() {
         owner >= 0 && isInertSlip(diagonal, problem_.delassus(owner, owner)))
       metric_[r] = metric_[owner];
     scaled_.bias[r] = problem_.bias[r] / metric_[r];
-    magnitude_ = std::max(magnitude_, std::abs(scaled_.bias[r]));
-    solution_.scale = std::max(solution_.scale, problem_.weight(r) * std::abs(scaled_.bias[r]));
   }
   for (int c = 0; c < count; ++c)
     for (int r = 0; r < count; ++r)
@@ -72,6 +70,21 @@ void PlanarFrictionSolver::scale() {
     scaled_.offset[j] = problem_.offset[j] * metric_[n + j];
     solution_.scale = std::max(solution_.scale, std::abs(scaled_.offset[j]));
   }
+  const auto slips = [&](int r) {
+    return r >= n && problem_.owner[r - n] < 0 &&
+           (problem_.tangentKind[r - n] == TangentKind::Slip || problem_.tangentKind[r - n] == TangentKind::None);
+  };
+  double largest = solution_.scale;
+  for (int r = 0; r < count; ++r)
+    if (!slips(r))
+      largest = std::max(largest, std::abs(scaled_.bias[r]));
+  // Nothing depends on how a slip of a friction element goes on; one at a dead centre would be of any size beside forces that hardly move
+  // it.
+  for (int r = 0; r < count; ++r)
+    if (const double size = std::abs(scaled_.bias[r]); !slips(r) || !(largest > 0) || size <= deadCentre * largest) {
+      magnitude_ = std::max(magnitude_, size);
+      solution_.scale = std::max(solution_.scale, problem_.weight(r) * size);
+    }
   magnitude_ = std::max(magnitude_, solution_.scale);
   if (!(magnitude_ > 0))
     magnitude_ = solution_.scale = 1;

@@ -439,6 +439,17 @@ double ModeDynamics::normalForce(int contact) const {
   return 0;
 }
 
+double ModeDynamics::forceRounding() const {
+  constexpr double rounding = 10 * std::numeric_limits<double>::epsilon();
+  double turned = 0, largest = 0;
+  for (int pair = 0; pair < slips_.count(); ++pair)
+    turned = std::max(turned, std::min(1.0, rounding * slips_.scale(pair) / slips_.speed(pair)));
+  if (turned > 0)
+    for (const double force : rowForces())
+      largest = std::max(largest, std::abs(force));
+  return turned * largest;
+}
+
 int ModeDynamics::jammedContact(double pressing, double ratio) {
   complete();
   for (const Jam &jam : jammedNormals(problem_, contactMode_))

@@ -136,6 +136,8 @@ public:
 
   // Of a contact at the last evaluation's point, before rounding errors below zero are cut off; 0 where it is open.
   [[nodiscard]] double normalForce(int contact) const;
+  // What rounding errors of velocities change contact forces by there, N: slow slips of two components are turned by them.
+  [[nodiscard]] double forceRounding() const;
 
   // A guard of kind Force has changed its sign where forces grow beyond all bounds, not at a zero. At the last evaluation's point.
   [[nodiscard]] bool isPole(int guard) const;

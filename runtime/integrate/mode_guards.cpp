@@ -27,7 +27,8 @@ void ModeDynamics::recordMargins() {
 }
 
 // Forces of a row are compared with those of all rows that act on one another: bodies that do not touch have their own. Where nothing is
-// loaded, with a small part of what stops a velocity of its scale within a second.
+// loaded, with a small part of what stops a velocity of its scale within a second. A slip at a dead centre would take a force beyond all
+// others.
 void ModeDynamics::scaleForces() {
   constexpr double unloaded = 1e-6;
   const int count = rows_.count(), normals = rows_.normalCount();
@@ -38,13 +39,16 @@ void ModeDynamics::scaleForces() {
     if (forceScale_[first] >= 0)
       continue;
     group_.assign(1, first);
-    double scale = least;
+    double scale = least, ofSlips = 0;
     for (std::size_t k = 0; k < group_.size(); ++k) {
       const int row = group_[k], j = row - normals;
       const double speed =
           j < 0 ? at_.scales.gapRate(rows_.contacts()[row], at_.velocities()) : at_.scales.slip(rows_.tangents()[j], at_.velocities());
       const double response = problem_.delassus(row, row);
-      scale = std::max({scale, std::abs(rowForces()[row]), response > 0 ? unloaded * speed / response : 0});
+      const double stopping = response > 0 ? unloaded * speed / response : 0;
+      double &largest = j >= 0 && contactMode_.slip[j] != 0 ? ofSlips : scale;
+      largest = std::max(largest, stopping);
+      scale = std::max(scale, std::abs(rowForces()[row]));
       forceScale_[row] = 0;
       for (int other = 0; other < count; ++other)
         if (forceScale_[other] < 0 && (problem_.delassus(other, row) != 0 || ownerOf(row) == ownerOf(other))) {
@@ -52,6 +56,8 @@ void ModeDynamics::scaleForces() {
           group_.push_back(other);
         }
     }
+    if (!(scale > 0) || ofSlips <= deadCentre * scale)
+      scale = std::max(scale, ofSlips);
     for (const int row : group_)
       forceScale_[row] = scale;
     beginForce_ = std::max(beginForce_, scale);

@@ -26,7 +26,9 @@ void Invariants::observe(ModeDynamics &dynamics, bool hasAllGaps) {
     if (isAtPole)
       continue;
     // An open contact has no force: that is a value, too.
-    const double force = dynamics.mode().closed[i] ? dynamics.normalForce(i) : 0;
+    double force = dynamics.mode().closed[i] ? dynamics.normalForce(i) : 0;
+    if (force < std::min(0.0, normalForce_.value) && force >= -dynamics.forceRounding())
+      force = 0;
     if (force < normalForce_.value)
       normalForce_ = {force, time, i};
     largestNormalForce_ = std::max(largestNormalForce_, force);
